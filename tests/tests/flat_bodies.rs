@@ -52,7 +52,7 @@ fn prism_or_halves(draw: &mut Draw, [radius, half]: [f64; 2]) -> (Shape, Collide
         let sides = draw.between(5.0, 12.99) as u32;
         let corner = |i: u32| {
             let (sin, cos) = (std::f64::consts::TAU * f64::from(i / 2) / f64::from(sides)).sin_cos();
-            glam::DVec3::new(radius * cos, if i % 2 == 0 { half } else { -half }, radius * sin)
+            glam::DVec3::new(radius * cos, if i.is_multiple_of(2) { half } else { -half }, radius * sin)
         };
         return (Shape::cylinder(radius, half), Collider::convex_hull((0..2 * sides).map(corner)).unwrap());
     }

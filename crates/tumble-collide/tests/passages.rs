@@ -96,7 +96,7 @@ fn a_ball_is_stopped_as_the_closed_form_has_it() {
         let expected = radius * (height - 0.5) / fall;
         match found {
             Some(until) => {
-                assert!((0.0..0.011 * radius / fall).contains(&(expected - until)), "{until} for {expected}")
+                assert!((0.0..0.011 * radius / fall).contains(&(expected - until)), "{until} for {expected}");
             }
             None => assert!(expected > 1.0, "{expected}"),
         }

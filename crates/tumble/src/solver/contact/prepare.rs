@@ -73,7 +73,6 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         put(steady, &mut block.start.steady, lane);
         put(T::select(zero.lt(steady), zero, one), &mut block.start.is_impact, lane);
         put(zero, &mut block.start.total_impulse, lane);
-        put(zero, &mut block.start.lead, lane);
         let mut j = 0;
         while j < P {
             let from_middle = places[j] - arm;
@@ -179,6 +178,7 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
             .of_what_rolls(rolling_resistance)
             .scaled(warm_start_factor(steady));
         friction.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
+        put(zero, &mut block.start.lead, lane);
         put_vector(friction.linear(&frame), &mut block.start.friction, lane);
         let locks = TileLocks::of(self.blocks.locks, index, lane);
         accumulate_warm_start(block, (&frame, locks), &friction, &mut self.bodies.warm_start, (index, lane));
