@@ -58,8 +58,8 @@ pub struct Passage {
     pub normal: Vector,
     /// Of the first, what would be touched then \[m\], world frame.
     pub point: Vector,
-    /// How much nearer the core is then than it is to be kept \[m\], a hundredth of the half
-    /// thickness.
+    /// By how much the core is nearer then than its clearance, a hundredth of the half thickness
+    /// \[m\].
     pub too_near: f64,
 }
 
@@ -228,8 +228,8 @@ fn end_at_plane(core: &Core<'_>, courses: [&Course; 2], radius: f64) -> End {
     if begin.distance <= 0.0 {
         return End::Touched;
     }
-    let [ground, body] = courses.map(Course::of_center);
-    let apart = body.at(0.0).position - ground.at(0.0).position;
+    let [ground, body] = courses.map(|course| course.center_and_turn(0.0).0);
+    let apart = body - ground;
     let way = courses[1].gone(1.0) - courses[0].gone(1.0);
     let [apart, far, of_ground, of_body] =
         [apart, way, courses[0].angular(), courses[1].angular()].map(|it| it.dot(it).sqrt());

@@ -9,7 +9,7 @@
 
 mod shapes_at_random;
 
-use shapes_at_random::{Random, solid};
+use shapes_at_random::{Random, Vector, solid};
 use tumble_collide::{ColliderShape, Course, Isometry, Passage};
 use tumble_math::lane::Vec3;
 
@@ -22,10 +22,15 @@ const MOMENTS: u32 = 400;
 /// Of half a thickness, what stays free at most.
 const CLEARANCE: f64 = 0.0101;
 
+/// The normal of a half-space.
+fn up(at: &Isometry<f64>) -> Vector {
+    at.orientation.rotate(Vec3::new(0.0, 1.0, 0.0))
+}
+
 /// How far the lowest point of a shape is over the plane at a moment \[m\].
 fn height(shape: &ColliderShape<f64>, [ground, body]: [&Course; 2], moment: f64) -> f64 {
     let [ground, body] = [ground, body].map(|course| course.at(moment));
-    let up = ground.orientation.rotate(Vec3::new(0.0, 1.0, 0.0));
+    let up = up(&ground);
     let lowest =
         body.position + body.orientation.rotate(shape.furthest(body.orientation.rotate_back(up * -1.0)).unwrap());
     up.dot(lowest - ground.position)
@@ -41,16 +46,14 @@ fn nothing_gets_through_a_half_space() {
             let plane = random.placement(size);
             let body = Isometry { position: Vec3::zero(), orientation: random.rotation() };
             let stays = |at: &Isometry<f64>| Course::new(at, at.position, Vec3::zero(), Vec3::zero());
-            let up = plane.orientation.rotate(Vec3::new(0.0, 1.0, 0.0));
             let low = height(&shape, [&stays(&plane), &stays(&body)], 0.0);
-            let body = Isometry { position: up * (random.between(1e-3, 0.5) * size - low), ..body };
+            let body = Isometry { position: up(&plane) * (random.between(1e-3, 0.5) * size - low), ..body };
             // The centre of mass is not the middle.
             let off = random.vector(0.3 * size);
             let spin = random.direction() * random.between(0.0, 3.0);
             let way = random.direction() * (random.between(0.0, 2.0) * size);
             let course = Course::new(&body, body.position + off, way, spin);
-            let moves = random.often(0.5);
-            let ground = if moves {
+            let ground = if random.often(0.5) {
                 let turn = random.direction() * random.between(0.0, 1.0);
                 Course::new(&plane, plane.position + random.vector(size), random.vector(0.5 * size), turn)
             } else {
@@ -68,7 +71,7 @@ fn nothing_gets_through_a_half_space() {
             }
             if let Some(found) = found {
                 stopped += 1;
-                let up = ground.at(until).orientation.rotate(Vec3::new(0.0, 1.0, 0.0));
+                let up = up(&ground.at(until));
                 assert!((found.normal - up).dot(found.normal - up) < 1e-18, "{kind} {case}");
                 let on_plane = up.dot(found.point - ground.at(until).position);
                 assert!(on_plane.abs() < 1e-9 * size, "{kind} {case}: {on_plane} m off the plane");

@@ -9,7 +9,8 @@ use crate::collision::collider::{Collider, Groups};
 use crate::collision::collider_error::ColliderError;
 use crate::collision::collider_shape::{ColliderShape, checked};
 use crate::collision::material::Material;
-use crate::math::{Real, dvec3, real};
+use crate::components::Pose;
+use crate::math::{Real, Vec3 as WorldVec3, dquat, dvec3, real};
 
 /// The surface and groups of a part.
 #[derive(Clone, Debug, PartialEq)]
@@ -138,6 +139,15 @@ impl Collider {
             ColliderShape::Compound(compound) => compound.number_of(place as usize),
             _ => 0,
         }
+    }
+
+    /// Where it is in the world on a body of this pose, whose centre of mass is at `offset` \[m\]
+    /// in the frame of the body.
+    pub(crate) fn placed_at(&self, pose: &Pose, offset: WorldVec3) -> Isometry<f64> {
+        let orientation = Quat::<f64>::from(dquat(pose.orientation)).normalize();
+        let center = Vec3::<f64>::from(dvec3(pose.position));
+        let body = Isometry { position: center - orientation.rotate(dvec3(offset).into()), orientation };
+        self.place().map_or(body, |inner| body.then(&wide(&inner)))
     }
 
     /// Shows the parts of a collider placed in the world: which, its groups, whether it is a

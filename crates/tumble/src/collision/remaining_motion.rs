@@ -4,19 +4,18 @@
 //! it would hang in the air for as long as it spins.
 
 use glam::DVec3;
-use tumble_collide::{Aabb, Course, Isometry};
+use tumble_collide::{Aabb, Course};
 use tumble_math::FreeRotation;
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::collider::Collider;
-use crate::collision::compound_parts::wide;
 use crate::collision::pipeline::CollisionPipeline;
 use crate::collision::sweep::Surroundings;
 use crate::collision::traveller::{Traveller, first_passage, nearest_turn, pose_of, state_of, wide_quat};
 use crate::components::Pose;
 use crate::integrators::derived::derived;
 use crate::joints::axes::Axes;
-use crate::math::{Real, Vec3 as WorldVec3, dquat, dvec3, quat, real, vec3};
+use crate::math::{Real, Vec3 as WorldVec3, dvec3, quat, real, vec3};
 use crate::settings::Settings;
 use crate::storage::body_index::Slot;
 use crate::storage::world_columns::WorldColumns;
@@ -53,7 +52,9 @@ struct InTheWay {
 /// The rest of a substep.
 #[derive(Clone, Copy)]
 struct Rest {
+    /// Its length \[s\].
     time: f64,
+    /// [m/s^2].
     gravity: DVec3,
     /// How fast what the body stays with has carried it already [m/s].
     carried: DVec3,
@@ -152,7 +153,7 @@ impl Motion {
             Path::Along(normal) => v - normal * normal.dot(v),
             Path::Free | Path::Straight => v,
         };
-        let (gravity, linear) = (along(gravity * it.gravity_scale(columns)), dvec3(state.linear.into()));
+        let (gravity, linear) = (along(gravity * f64::from(it.gravity_scale(columns))), dvec3(state.linear.into()));
         let way = along(linear / mass - carried) * time + gravity * (0.5 * time * time);
         let start = wide_quat(state.orientation);
         let (mut orientation, mut turn) = (start, DVec3::ZERO);
@@ -183,8 +184,6 @@ impl Motion {
 /// The course from a pose of a collider, with its body's centre of mass in the body's frame \[m\],
 /// by a way \[m\] and a turn \[rad\].
 fn course((collider, offset): (&Collider, WorldVec3), start: &Pose, [way, turn]: [DVec3; 2]) -> Course {
-    let (center, orientation) = (dvec3(start.position), dquat(start.orientation).normalize());
-    let body = Isometry { position: (center - orientation * dvec3(offset)).into(), orientation: orientation.into() };
-    let placement = collider.place().map_or(body, |inner| body.then(&wide(&inner)));
-    Course::new(&placement, center.into(), way.into(), turn.into())
+    let center = dvec3(start.position);
+    Course::new(&collider.placed_at(start, offset), center.into(), way.into(), turn.into())
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use hecs::Entity;
 use rayon::prelude::*;
 use tumble_collide::{ColliderShape, Course, Isometry, Meeting};
-use tumble_math::lane::{Lane, Quat, Vec3};
+use tumble_math::lane::{Lane, Vec3};
 
 use crate::collision::collider_state::ColliderState;
 use crate::collision::compound_parts::wide;
@@ -12,7 +12,7 @@ use crate::collision::pipeline::{Colliders, CollisionPipeline};
 use crate::collision::traveller::{course_to, expected_turn, pose_of};
 use crate::components::Pose;
 use crate::event_log::EventLog;
-use crate::math::{Real, dquat, dvec3};
+use crate::math::Real;
 use crate::storage::body_index::Slot;
 use crate::storage::world_columns::WorldColumns;
 use crate::threads::InParts;
@@ -226,11 +226,7 @@ impl<'a> Encounter<'a> {
             let (collider, offset) = colliders_of_both[which];
             let (pose, expected) = &ends[which];
             let start = wide(&state.placement);
-            let orientation = Quat::<f64>::from(dquat(pose.orientation)).normalize();
-            let center = Vec3::<f64>::from(dvec3(pose.position));
-            let body = Isometry { position: center - orientation.rotate(dvec3(*offset).into()), orientation };
-            let end = collider.place().map_or(body, |inner| body.then(&wide(&inner)));
-            ([start, end], course_to(pose, (state, collider), *expected))
+            ([start, collider.placed_at(pose, *offset)], course_to(pose, (state, collider), *expected))
         });
         let is_somewhere = both.iter().all(|([start, end], _)| {
             [start, end]

@@ -111,8 +111,8 @@ impl CollisionPipeline {
             return;
         }
         let stands_otherwise = |slot: &Slot| {
-            let place = travellers.binary_search_by_key(slot, |it| it.slot);
-            place.is_ok_and(|place| travellers[place].stands_otherwise(columns))
+            let it = travellers.get(find(travellers, *slot)).filter(|it| it.slot == *slot);
+            it.is_some_and(|it| it.stands_otherwise(columns))
         };
         for contact in self.contacts.records.iter_mut().filter(|it| it.slots.iter().any(stands_otherwise)) {
             contact.normal_impulses.steady = 0.0;
@@ -240,11 +240,11 @@ impl CollisionPipeline {
             }
         };
         self.broad_phase.meeting(aabb, &mut |other| show(Slot(other)));
-        endless.iter().copied().filter(|other| !self.is_above(aabb, *other)).for_each(show);
+        endless.iter().copied().filter(|other| !self.is_outside(aabb, *other)).for_each(show);
     }
 
-    /// Whether a box is above fixed level ground.
-    fn is_above(&self, aabb: &Aabb<Real>, ground: Slot) -> bool {
+    /// Whether a box is outside of a fixed half-space.
+    fn is_outside(&self, aabb: &Aabb<Real>, ground: Slot) -> bool {
         let state = &self.collider_states.states[ground.index()];
         let is_half_space =
             self.colliders.get(ground).is_some_and(|(it, _)| matches!(it.geometry(), ColliderShape::HalfSpace));
@@ -376,12 +376,12 @@ impl CollisionPipeline {
         let Traveller { is_free, is_fast, with: its, .. } = travellers[other];
         // A slow free body is left to its contact: its spin would lead round it, and through walls.
         let with = if is_still { its } else { (!is_free).then_some(other) };
-        travellers[traveller].stop(passage.until, with, columns, gained);
         // What is stopped again and again may come nearer each time; free bodies keep their centre
         // of mass.
-        travellers[traveller].off = if is_free { DVec3::ZERO } else { (passage.normal * passage.too_near).into() };
+        let off = if is_free { DVec3::ZERO } else { (passage.normal * passage.too_near).into() };
+        travellers[traveller].stop(passage.until, (with, off), columns, gained);
         if is_free && is_fast && !is_still {
-            travellers[other].stop(passage.until, None, columns, gained);
+            travellers[other].stop(passage.until, (None, DVec3::ZERO), columns, gained);
         }
         let both = [other, traveller].map(|it| &travellers[it]);
         let [first, second] = both.map(|it| {

@@ -9,7 +9,7 @@ use tumble_math::lane::{Quat, Vec3};
 use crate::collision::collider::Collider;
 use crate::collision::collider_state::ColliderState;
 use crate::collision::compound_parts::{narrow, wide};
-use crate::components::{GravityScale, Momentum, Pose, Velocity};
+use crate::components::{Momentum, Pose, Velocity};
 use crate::integrators::derived::derived;
 use crate::integrators::kinetic_energy::KineticEnergy;
 use crate::integrators::response_range::responds_in_range;
@@ -25,7 +25,7 @@ use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
 /// The cosine between the way in and the way back out, of what a contact pushes back.
 const BACK: f64 = 0.8;
 
-/// The cosine of half of a sixteenth of a radian.
+/// The cosine of half of a sixteenth of a radian, by which a body may turn and stand as before.
 const STEADY: f64 = 0.999_512;
 
 /// A body in a substep.
@@ -52,7 +52,7 @@ pub(crate) struct Traveller {
     /// What gravity did after that and is taken back [N s].
     taken_back: DVec3,
     /// By how much it is moved off what it comes too near \[m\].
-    pub(crate) off: DVec3,
+    off: DVec3,
 }
 
 impl Traveller {
@@ -95,11 +95,17 @@ impl Traveller {
 
     /// Stops it at a moment, to stay with another from then on. Its angular momentum turns with it,
     /// and gravity, which gives `gained` [m/s] in a substep, has done nothing since: so it has the
-    /// energy that it had.
-    pub(crate) fn stop(&mut self, moment: f64, with: Option<usize>, columns: &mut WorldColumns<'_>, gained: WorldVec3) {
+    /// energy that it had. It is then moved by `off` \[m\].
+    pub(crate) fn stop(
+        &mut self,
+        moment: f64,
+        (with, off): (Option<usize>, DVec3),
+        columns: &mut WorldColumns<'_>,
+        gained: WorldVec3,
+    ) {
         let row = self.place.row as usize;
         let gained = vec3(AxisLock(self.locked_axes(columns)).along_free(dvec3(gained)));
-        let scale = crate::math::real(self.gravity_scale(columns));
+        let scale = self.gravity_scale(columns);
         if let Some(columns) = columns.dynamic_mut(self.place) {
             let left_out = crate::math::real(self.until - moment) * scale * columns.mass[row].kilograms();
             columns.momentum[row].linear -= gained * left_out;
@@ -107,7 +113,7 @@ impl Traveller {
         }
         let turned_back = self.at(moment).orientation * self.at(self.until).orientation.conjugate();
         turn_momentum(columns, self.place, turned_back);
-        (self.until, self.with) = (moment, with);
+        (self.until, self.with, self.off) = (moment, with, off);
     }
 
     /// The axes that a free body is locked along and about.
@@ -172,15 +178,14 @@ impl Traveller {
 
     /// Whether it is turned by more than a sixteenth of a radian from where it was to end.
     pub(crate) fn stands_otherwise(&self, columns: &WorldColumns<'_>) -> bool {
-        let now = pose_of(columns, self.place).map_or(self.end.orientation, |pose| pose.orientation);
-        let cosine = dquat(now).normalize().dot(dquat(self.end.orientation).normalize()).abs();
-        self.until < 1.0 && cosine < STEADY
+        let Some(now) = pose_of(columns, self.place).filter(|_| self.until < 1.0) else { return false };
+        dquat(now.orientation).normalize().dot(dquat(self.end.orientation).normalize()).abs() < STEADY
     }
 
     /// How much of gravity acts on it.
-    pub(crate) fn gravity_scale(&self, columns: &WorldColumns<'_>) -> f64 {
-        let scales = columns.archetype(self.place).get::<&GravityScale>();
-        scales.map_or(1.0, |scales| scales[self.place.row as usize].0.into())
+    pub(crate) fn gravity_scale(&self, columns: &WorldColumns<'_>) -> Real {
+        let ArchetypeBodies::Dynamic(columns) = columns.bodies(self.place) else { return 1.0 };
+        columns.gravity_scale.as_deref().map_or(1.0, |scales| scales[self.place.row as usize].0)
     }
 
     /// How far what it stays with carries it after it was stopped \[m\].

@@ -147,15 +147,6 @@ impl SolverBodies {
         }
     }
 
-    /// The least inverse moment of inertia over the greatest; one for bodies that do not turn.
-    pub(crate) fn inertia_ratio(&self, row: SolverRow) -> Real {
-        self.inertia.get(row.index()).map_or(1.0, |inertia| {
-            let Vec3 { x, y, z } = inertia.inverse_moments;
-            let (least, most) = (x.min(y).min(z), x.max(y).max(z));
-            if most > 0.0 { least / most } else { 1.0 }
-        })
-    }
-
     /// Of a dynamic body: one over the mass, and the inverse inertia in two directions: `uu vv
     /// uv`.
     pub(crate) fn mobility(&self, row: SolverRow, [u, v]: [Vec3<Real>; 2]) -> (Real, [Real; 3]) {

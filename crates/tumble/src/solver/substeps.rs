@@ -204,7 +204,6 @@ impl SolverGroup {
         let solve = SolverStage::solve(h, impact_speed);
         let Self { bodies, contact_works, rounds, ball_collisions, contacts, constraints } = self;
         constraints.lay_out(all, contacts, bodies, extras);
-        rounds.retain(|round| !round.is_on_needle(bodies));
         constraints.locate(all.len(), rounds);
         bodies.with_poses(|bodies, poses| constraints.run(SolverStage::Prepare(all, poses), bodies));
         if let Some(mechanisms) = &mut mechanisms {

@@ -15,7 +15,7 @@ use crate::solver::contact::contact_frame::{ContactFrame, DeltaPoses, along_norm
 use crate::solver::contact::friction::FrictionImpulse;
 use crate::solver::contact::prepare::MIN_WEIGHT;
 use crate::solver::contact::update_geometry::tangents;
-use crate::solver::solver_bodies::{SolverBodies, SolverRow};
+use crate::solver::solver_bodies::SolverRow;
 use crate::threads::InParts;
 
 /// A round contact among those of a group of the solver.
@@ -31,10 +31,6 @@ pub(crate) struct RoundConstraint {
 const PART: usize = 32;
 /// A point that is not there any more is this far away \[m\].
 const FAR: Real = 1e6;
-/// Least inverse moment over the greatest of a body whose contacts are found again. A needle that
-/// spins turns over between substeps, and impulses that are taken back at other places than they
-/// were given heat it up.
-const MIN_RATIO: Real = 0.0;
 
 impl RoundConstraint {
     /// Of a contact between these rows, the number of which is one from `first` on.
@@ -50,11 +46,6 @@ impl RoundConstraint {
     /// Its number among the contacts.
     pub(crate) fn number(&self) -> u32 {
         self.contact.contact
-    }
-
-    /// Whether it is that of a needle, which stays as it was found.
-    pub(crate) fn is_on_needle(&self, bodies: &SolverBodies) -> bool {
-        self.rows.iter().any(|row| bodies.inertia_ratio(*row) < MIN_RATIO)
     }
 }
 
