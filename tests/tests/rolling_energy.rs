@@ -133,11 +133,11 @@ fn rocker(kind: u64, radius: f64, offset: f64, angle: f64) -> Start {
 }
 
 /// Its greatest swing in the first and in the last of twenty seconds is the same: so is the energy,
-/// `m g d (1 - cos)` there. At four substeps to 1.1 hundredths, which eight make less than four
-/// tenths of.
+/// `m g d (1 - cos)` there. At four substeps to 1.4 hundredths, which eight make less than a third
+/// of.
 #[test]
 fn what_rocks_keeps_its_swing() {
-    for (substeps, allowed) in [(4, 0.011), (8, 0.004)] {
+    for (substeps, allowed) in [(4, 0.014), (8, 0.0045)] {
         let mut worst = 0.0_f64;
         for case in 0..40 {
             let mut draw = Draw::new(1901, case);

@@ -42,12 +42,12 @@ pub(crate) fn spawn(world: &mut World, id: u64) -> Entity {
             let paddle = RigidBody::new(shape).kinematic().position(Vec3::Y * 0.4).angular_velocity(Vec3::Y * 2.0);
             paddle.id(BodyId(id)).build().unwrap().spawn_with(world, (collider,))
         }
-        _ => spawn_falling(world, id),
+        _ => spawn_falling(world, Rng::stream(7, id), id),
     }
 }
 
-fn spawn_falling(world: &mut World, id: u64) -> Entity {
-    let mut rng = Rng::stream(7, id);
+/// What falls, of the kind of its identity.
+pub(crate) fn spawn_falling(world: &mut World, mut rng: Rng, id: u64) -> Entity {
     let mut length = || f64::from(rng.range(0.15, 0.25));
     let shape = match id % 8 {
         0 | 2 => Shape::sphere(length()),

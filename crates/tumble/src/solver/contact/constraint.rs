@@ -61,8 +61,6 @@ pub(crate) struct Start<const P: usize> {
     /// By how much the velocity along the normal at the contact is to be less than in the middle of
     /// a substep, as the arms change \[m/s\].
     pub(crate) lead: Lanes,
-    /// Impulse of friction of the last substep \[N s\], world frame.
-    pub(crate) friction: [Lanes; 3],
     pub(crate) separations: [Lanes; P],
     pub(crate) normal: [Lanes; 3],
     pub(crate) tangent: [Lanes; 3],
@@ -178,7 +176,6 @@ impl<const P: usize, const C: usize> Block<P, C> {
                 is_impact: ZEROS,
                 total_impulse: ZEROS,
                 lead: ZEROS,
-                friction: [ZEROS; 3],
                 separations: [ZEROS; P],
                 normal: [ZEROS; 3],
                 tangent: [ZEROS; 3],

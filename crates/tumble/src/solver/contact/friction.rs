@@ -71,15 +71,6 @@ impl<T: Tile> FrictionImpulse<T> {
         Self { sliding: [s * part, t * part], twist: self.twist * part, roll: [u * part, v * part] }
     }
 
-    /// The same with an impulse more against sliding, world frame, where `changed` is above zero.
-    #[inline(always)]
-    pub(crate) fn pushed_where(&self, changed: T, frame: &ContactFrame<T>, linear: Vec3<T>) -> Self {
-        let ([s, t], [on_s, on_t]) = (self.sliding, frame.tangents);
-        let changed = T::splat(0.0).lt(changed);
-        let [pushed_s, pushed_t] = [s + on_s.dot(linear), t + on_t.dot(linear)];
-        Self { sliding: [T::select(changed, pushed_s, s), T::select(changed, pushed_t, t)], ..*self }
-    }
-
     #[inline(always)]
     pub(crate) fn plus(&self, other: &Self) -> Self {
         let ([s, t], [u, v]) = (self.sliding, self.roll);

@@ -179,7 +179,6 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
             .scaled(warm_start_factor(steady));
         friction.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
         put(zero, &mut block.start.lead, lane);
-        put_vector(friction.linear(&frame), &mut block.start.friction, lane);
         let locks = TileLocks::of(self.blocks.locks, index, lane);
         accumulate_warm_start(block, (&frame, locks), &friction, &mut self.bodies.warm_start, (index, lane));
     }

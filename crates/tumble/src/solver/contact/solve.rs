@@ -4,7 +4,7 @@ use tumble_math::lane::Vec3;
 
 use crate::collision::contact::UpdateRule;
 use crate::math::Real;
-use crate::simd::block_lanes::{at, put, put_vector, vector_at};
+use crate::simd::block_lanes::{at, put, vector_at};
 use crate::simd::{BLOCK, Kernel, Rows, Tile};
 use crate::solver::body_rows::{BodyMotion, DeltaPose, WarmStartImpulse, WorldInverseInertia};
 use crate::solver::contact::constraint::{Belt, Block, Bounce, Rolling};
@@ -174,7 +174,6 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
             // else before that is taken back.
             let lasting = T::select(zero.lt(at(&block.start.is_impact, lane)), zero, steady);
             let kept = if self.stores_warm_start { lasting } else { one };
-            let after = if self.stores_warm_start { extrapolated(block, lane, (&frame, sum), after) } else { after };
             let after = after.scaled(kept);
             after.store(&mut block.friction, self.blocks.rolling.get_mut(index), lane);
             if self.stores_warm_start {
@@ -257,34 +256,6 @@ impl<const P: usize, const C: usize> Solve<'_, P, C> {
         );
         (changes, sum)
     }
-}
-
-/// Square of the part of the normal impulse by which friction may change from one substep to the
-/// next, and go on changing.
-const STEADY_CHANGE: f64 = 1.0 / 16.0;
-
-/// Friction of contacts that are found again as it will be in the next substep, if it changes by as
-/// much as from the last to this. What lags behind slips, and what rocks loses its energy to that.
-/// Where there are two points it would yaw.
-#[inline(always)]
-fn extrapolated<T: Tile, const P: usize, const C: usize>(
-    block: &mut Block<P, C>,
-    lane: usize,
-    (frame, normal): (&ContactFrame<T>, T),
-    friction: FrictionImpulse<T>,
-) -> FrictionImpulse<T> {
-    let is_found_again = at::<T>(&block.start.slide, lane).lt(T::splat(0.0));
-    if P > 1 || !T::any(is_found_again) {
-        return friction;
-    }
-    let now = friction.linear(frame);
-    let last = vector_at(&block.start.friction, lane);
-    let change = now - last;
-    // What others of the tile do is nothing to a contact.
-    put_vector(Vec3::select(is_found_again, now, last), &mut block.start.friction, lane);
-    let (zero, one) = (T::splat(0.0), T::splat(1.0));
-    let steady = T::select(change.dot(change).lt(normal * normal * T::splat(STEADY_CHANGE)), one, zero);
-    friction.pushed_where(T::select(is_found_again, steady, zero), frame, change)
 }
 
 /// A point is to move at `-bias` \[m/s\] along the normal; how much of that a soft contact brings
