@@ -357,3 +357,41 @@ fn a_bound_alone_beyond_half_a_turn_does_nothing() {
         assert!((rig.angular_velocity(disc).z - 3.0).abs() < 1e-5, "{min} {max}");
     }
 }
+
+/// What is held at one value goes there at the speed of other joints that do not fit, from either
+/// side: a slider, a hinge and a rod.
+#[test]
+fn what_is_held_is_closed_from_both_sides_alike() {
+    for case in 0..200 {
+        let mut draw = Draw::new(0x2A, case);
+        let dt = 1.0 / draw.log_between(30.0, 250.0);
+        let kind = case % 3;
+        let mut rig = Rig::new(ORIGIN, dt, pick(&mut draw, [1, 4, 16]));
+        let ground = rig.ground();
+        let mass = draw.log_between(1e-3, 1e3);
+        let body = rig.spawn(rod(mass, 1.0, DVec3::X * 1.5));
+        let off = draw.between(0.5, 1.2) * if draw.often(0.5) { 1.0 } else { -1.0 };
+        let (joint, number, speed, axis) = match kind {
+            0 => (Joint::slider(ground, body), 0, 3.0, DVec3::X),
+            1 => (Joint::hinge(ground, body), 3, 10.0, DVec3::Z),
+            _ => (Joint::free(ground, body), 0, 3.0, DVec3::X),
+        };
+        let joint = rig.join_at(joint, ORIGIN, axis);
+        // A rod to the far end, which is 2 m away.
+        let limits = if kind == 2 {
+            rig.world.get::<&mut Joint>(joint).unwrap().frames[1].position = real(DVec3::X * 0.5);
+            Limits::rod((2.0 - off) as Real)
+        } else {
+            Limits::along(if kind == 0 { Axes::LINEAR_X } else { Axes::ANGULAR_X }, limit(-off, -off))
+        };
+        rig.world.insert_one(joint, limits).unwrap();
+        let goal = if kind == 2 { 2.0 - off } else { -off };
+        for step in 1..=4 {
+            rig.step();
+            let value = f64::from(rig.load(joint).values[number]);
+            let left = (value - goal) * off.signum();
+            let expected = (off.abs() - speed * dt * f64::from(step)).max(0.0);
+            assert!((left - expected).abs() < 1e-4 * off.abs(), "case {case}, step {step}: {left} of {expected}");
+        }
+    }
+}

@@ -2,7 +2,7 @@
 //! random loops to 3e-4), or as many radians, gain no energy, keep the momenta of what flies free,
 //! stay as near as they fit, and are solved in no more than one part a substep in the mean more
 //! than joints that fit: doors on two or three hinges, four-bars, and random mechanisms with loops,
-//! of any size, mass and step. Ropes and rods that contradict each other have finite loads.
+//! of any size, mass and step. Ropes and rods that contradict each other do not explode.
 //! Friction of a ball beside its cone and twist limit gains no energy.
 //!
 //! Why: what a caller sets from drawings and files never fits to the last digit. It fails if rows
@@ -18,9 +18,12 @@ use hecs::Entity;
 use jointed::*;
 use mechanisms::{Class, mechanism, scale};
 use tumble::math::Real;
-use tumble::{Cone, Gain, Joint, JointFriction, JointLoad, Limit, Limits, Mass, Momentum, RigidBody, Shape};
+use tumble::{Cone, Gain, Joint, JointFriction, JointLoad, Limit, Limits, Mass, Momentum, RigidBody, Shape, Totals};
 use tumble_tests::references::real_quat;
 use tumble_tests::{Draw, EPSILON, by_precision};
+
+/// How fast a joint that does not fit is closed [m/s].
+const CLOSING_SPEED: f64 = 3.0;
 
 /// A mechanism of joints that do not fit, its size \[m\], and whether it flies free.
 struct Case {
@@ -265,44 +268,62 @@ fn friction_beside_bounds_gains_nothing() {
 
 /// Up to seven ropes and rods between up to four bodies and the ground, of lengths that have
 /// nothing to do with where these are.
+fn ropes(draw: &mut Draw) -> (Rig, Vec<Entity>) {
+    let size = draw.log_between(0.01, 30.0);
+    let substeps = 1 + draw.log_between(1.0, 8.0) as u32;
+    let mut rig = Rig::new(down(), 1.0 / draw.log_between(30.0, 250.0), substeps);
+    let mut bodies = vec![rig.ground()];
+    for _ in 0..1 + draw.between(0.0, 3.99) as usize {
+        let is_point = draw.often(0.3);
+        let shape = if is_point { Shape::Point } else { Shape::cuboid(DVec3::new(0.3, 0.2, 0.1) * size) };
+        let it = RigidBody::new(shape).mass(draw.log_between(0.01, 100.0));
+        let it = it.position(real(draw.vector(2.0 * size))).linear_velocity(real(draw.vector(3.0 * size)));
+        bodies.push(rig.spawn(it));
+    }
+    let mut joints = Vec::new();
+    for _ in 0..2 + draw.between(0.0, 5.0) as usize {
+        let [a, b] = [0, 1].map(|first| first + (draw.between(0.0, 0.999) * (bodies.len() - first) as f64) as usize);
+        let mut joint = Joint::free(bodies[a], bodies[b]);
+        joint.frames[0].position = real(draw.vector(size));
+        joint.frames[1].position = real(draw.vector(0.3 * size));
+        let length = (draw.log_between(0.001, 3.0) * size) as Real;
+        let limits = if draw.often(0.5) { Limits::rope(length) } else { Limits::rod(length) };
+        joints.push(rig.world.spawn((joint, limits, JointLoad::default())));
+    }
+    (rig, joints)
+}
+
+/// Their loads are those of the speed at which they close, and bodies are never faster than three
+/// times what they began with, what they fall and what they are pulled by: a skater that pulls the
+/// arms in gets faster. Of 6000 cases the most was 4e4 weights and 2.6 times.
 #[test]
-fn ropes_that_contradict_each_other_have_finite_loads() {
-    let (mut parts, mut largest) = (0.0_f64, 0.0_f64);
-    for case in 0..500 {
+fn ropes_that_contradict_each_other_do_not_explode() {
+    let (mut fastest, mut most_load) = ((0.0_f64, 0), (0.0_f64, 0));
+    for case in 0..300 {
         let mut draw = Draw::new(0xE2, case);
-        let size = draw.log_between(0.01, 30.0);
-        let substeps = 1 + draw.log_between(1.0, 8.0) as u32;
-        let mut rig = Rig::new(down(), 1.0 / draw.log_between(30.0, 250.0), substeps);
-        let mut bodies = vec![rig.ground()];
-        for _ in 0..1 + draw.between(0.0, 3.99) as usize {
-            let is_point = draw.often(0.3);
-            let shape = if is_point { Shape::Point } else { Shape::cuboid(DVec3::new(0.3, 0.2, 0.1) * size) };
-            let it = RigidBody::new(shape).mass(draw.log_between(0.01, 100.0));
-            let it = it.position(real(draw.vector(2.0 * size))).linear_velocity(real(draw.vector(3.0 * size)));
-            bodies.push(rig.spawn(it));
-        }
-        let mut joints = Vec::new();
-        for _ in 0..2 + draw.between(0.0, 5.0) as usize {
-            let [a, b] =
-                [0, 1].map(|first| first + (draw.between(0.0, 0.999) * (bodies.len() - first) as f64) as usize);
-            let mut joint = Joint::free(bodies[a], bodies[b]);
-            joint.frames[0].position = real(draw.vector(size));
-            joint.frames[1].position = real(draw.vector(0.3 * size));
-            let length = (draw.log_between(0.001, 3.0) * size) as Real;
-            let limits = if draw.often(0.5) { Limits::rope(length) } else { Limits::rod(length) };
-            joints.push(rig.world.spawn((joint, limits, JointLoad::default())));
-        }
+        let (mut rig, joints) = ropes(&mut draw);
+        let moving =
+            rig.world.query::<(&Mass, &Momentum)>().iter().map(|(mass, _)| f64::from(mass.kilograms())).sum::<f64>();
+        let speed = |rig: &Rig| {
+            let Totals { linear_kinetic, rotational_kinetic, .. } = rig.totals();
+            (2.0 * (linear_kinetic + rotational_kinetic) / moving).sqrt()
+        };
+        let (start, dt) = (speed(&rig), f64::from(rig.simulation.settings().dt));
         for step in 0..120 {
             rig.step();
-            parts = parts.max(rig.simulation.joint_substeps() as f64 / f64::from(substeps));
             for joint in &joints {
                 let JointLoad { force, torque, values, speeds } = rig.load(*joint);
                 let numbers = force.to_array().into_iter().chain(torque.to_array()).chain(values).chain(speeds);
-                largest = numbers.clone().fold(largest, |most, number| most.max(f64::from(number.abs())));
-                assert!(numbers.into_iter().all(Real::is_finite), "case {case}, step {step}");
+                assert!(numbers.clone().all(Real::is_finite), "case {case}, step {step}");
+                let weights = f64::from(force.length()) / (moving * G);
+                most_load = if weights > most_load.0 { (weights, case) } else { most_load };
             }
             assert_eq!(rig.totals().non_finite, None, "case {case}, step {step}");
+            let fast = speed(&rig) / (start + G * dt * f64::from(step + 1) + CLOSING_SPEED);
+            fastest = if fast > fastest.0 { (fast, case) } else { fastest };
         }
     }
-    println!("loads up to {largest:.1e}, {parts:.1} parts a substep");
+    println!("loads up to {most_load:?} weights, speeds to {fastest:?}");
+    assert!(fastest.0 < 3.0, "{fastest:?}");
+    assert!(most_load.0 < 1e5, "{most_load:?}");
 }

@@ -1,7 +1,7 @@
 //! Promise: a heap that is let alone comes to rest.
 //!
-//! Why: friction that was extrapolated from substep to substep alternated in heaps and grew: nothing
-//! lay still, and now and then a body was thrown off.
+//! Why: friction that was extrapolated from substep to substep alternated in heaps and grew:
+//! nothing lay still, and now and then a body was thrown off.
 
 mod pile;
 
@@ -13,9 +13,9 @@ use tumble_tests::run;
 
 const PILES: u64 = 16;
 
-/// Twenty seconds after the fall of sixty random bodies, with damping, the fastest of a pile moves at
-/// less than a sixteenth of what gravity adds in one substep, in half of all piles: balls
-/// roll as long as they find a way.
+/// Twenty seconds after the fall of sixty random bodies, with damping, the fastest of a pile moves
+/// at less than a sixteenth of what gravity adds in one substep, in half of all piles: balls roll
+/// as long as they find a way.
 #[test]
 fn piles_come_to_rest() {
     let settings = pile::settings();

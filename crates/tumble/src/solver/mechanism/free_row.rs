@@ -185,7 +185,7 @@ impl FreeRow {
     }
 
     /// Whether both bounds are the same, and it has a value.
-    fn is_held(&self) -> bool {
+    pub(crate) fn is_held(&self) -> bool {
         self.bounds[0] == self.bounds[1] && !self.value.is_nan()
     }
 
@@ -207,6 +207,21 @@ impl FreeRow {
     /// The error of a row that is at a bound.
     pub(crate) fn error_at_bound(&self, value: f64) -> f64 {
         if self.mode == Mode::AtUpper { self.past(value, true) } else { -self.past(value, false) }
+    }
+
+    /// The error of a distance at a bound, of which this is the part along the row and `wanted` is
+    /// to be left: by how much that part is too long if what is across it stays.
+    pub(crate) fn error_of_distance(&self, distance: f64, along: f64, wanted: f64) -> f64 {
+        let goal = distance - self.error_at_bound(distance) + wanted;
+        let square_across = distance * distance - along * along;
+        along - (goal * goal - square_across).max(0.0).sqrt() + wanted
+    }
+
+    /// By how much a distance is too long even where its part along the row is zero.
+    pub(crate) fn missed_distance(&self, distance: f64, along: f64, wanted: f64) -> f64 {
+        let goal = distance - self.error_at_bound(distance) + wanted;
+        let across = (distance * distance - along * along).max(0.0).sqrt();
+        (across - goal.abs()).max(0.0)
     }
 
     pub(crate) fn is_at_bound(&self) -> bool {

@@ -6,7 +6,7 @@ use crate::joints::axes::Axes;
 use crate::joints::drives::Drive;
 use crate::joints::joint_options::JointOptions;
 use crate::solver::mechanism::block_kernels::MAX_ROWS;
-use crate::solver::mechanism::free_axis::{FreeAxis, free_axes};
+use crate::solver::mechanism::free_axis::{Direction, FreeAxis, free_axes};
 use crate::solver::mechanism::free_row::{FreeRow, Phase};
 use crate::solver::mechanism::joint_rows::{IDENTITY, JointRows};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
@@ -154,6 +154,17 @@ impl JointRows {
             }
         }
         responses
+    }
+
+    /// Whether it has a rope or a rod.
+    pub(super) fn has_distance(&self) -> bool {
+        self.free_rows.iter().any(|row| row.axis == FreeAxis::Distance)
+    }
+
+    /// By how much the distance of a row at a bound is more than the row can bring it to \[m\].
+    pub(super) fn missed_distance(&self, row: usize, it: &FreeRow, bodies: &[MechanismBody]) -> f64 {
+        let Direction { value, linear, .. } = self.direction(it.axis, bodies);
+        it.missed_distance(value, linear.dot(self.linear[row]) * value, self.wanted[row])
     }
 
     /// Whether a row is of a free axis along which no impulse depends on the speed.

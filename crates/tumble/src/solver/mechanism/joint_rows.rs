@@ -5,9 +5,7 @@ use tumble_math::lane::{Quat, Vec3};
 use crate::joints::axes::Axes;
 use crate::joints::joint_options::JointOptions;
 use crate::solver::mechanism::block_kernels::MAX_ROWS;
-use crate::solver::mechanism::free_axis::{
-    Direction, FreeAxis, first_angle, free_axes, relative_rotation, second_angle,
-};
+use crate::solver::mechanism::free_axis::{Direction, FreeAxis, free_axes};
 use crate::solver::mechanism::free_row::{FreeRow, Mode};
 use crate::solver::mechanism::gear_rows::GearRows;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
@@ -41,7 +39,7 @@ pub(crate) struct JointRows {
     /// How many are of locked axes, and how many of these of translations.
     pub(crate) locked: usize,
     linear_count: usize,
-    rotations: Rotations,
+    pub(super) rotations: Rotations,
     /// Those of free axes.
     pub(crate) free_rows: Vec<FreeRow>,
     /// The rotation that values of three free rotations are taken against.
@@ -85,7 +83,7 @@ impl JointRows {
         let locked = 6 - free.count() as usize;
         let free_rows: Vec<_> = options.into_iter().flat_map(|it| free_axes(it, free)).map(FreeRow::new).collect();
         let mut linear = [zero; MAX_ROWS];
-        let has_distance = free_rows.iter().any(|row| matches!(row.axis, FreeAxis::Distance));
+        let has_distance = free_rows.iter().any(|row| row.axis == FreeAxis::Distance);
         let is_pinned = !(free.has(0) || free.has(1) || free.has(2) || has_distance);
         let is_plain_ball = free == Axes::ANGULAR && free_rows.is_empty();
         if is_pinned {
@@ -309,12 +307,26 @@ impl JointRows {
         errors[row..self.locked].iter_mut().zip(rotations).for_each(|(error, rotation)| *error = rotation);
         for (row, it) in (self.locked..).zip(&self.free_rows).filter(|(_, it)| it.is_at_bound()) {
             let Direction { value, linear, angular } = it.axis.direction(stance, self.free, self.reference);
+            if it.axis == FreeAxis::Distance {
+                errors[row] = it.error_of_distance(value, linear.dot(self.linear[row]) * value, self.wanted[row]);
+                continue;
+            }
             let along = linear.dot(self.linear[row]) + angular.dot(self.angular[row]);
             // Where the way back has turned, more along the row does not lead there.
             let leads_back = along > 0.5 && !value.is_nan();
             errors[row] = if leads_back { it.error_at_bound(value) } else { self.wanted[row] };
         }
         errors
+    }
+
+    /// Whether it has a torque on a body that does not turn.
+    pub(super) fn resists_turning(&self, bodies: &[MechanismBody]) -> bool {
+        let locks = self.locked > self.linear_count;
+        let is_off = |(body, anchor): (usize, &Anchor)| {
+            let body = &bodies[body];
+            body.inverse_mass != 0.0 && !body.turns && (locks || anchor.position.dot(anchor.position) > 0.0)
+        };
+        self.bodies.into_iter().zip(&self.anchors).any(is_off)
     }
 
     /// To be called before the first substep of a step.
@@ -354,8 +366,9 @@ impl JointRows {
     /// The largest error of these rows where they were set, by which what they lock would differ if
     /// it were met. A bound that is to be reached has none, nor has a gear: its rows stay the same.
     pub(crate) fn misfit(&self) -> f64 {
-        self.largest(|row| match row.checked_sub(self.locked).map(|row| self.free_rows[row].mode) {
-            Some(Mode::AtLower) => self.errors[row].min(0.0),
+        self.largest(|row| match row.checked_sub(self.locked).map(|row| &self.free_rows[row]) {
+            Some(law) if law.is_held() => self.errors[row],
+            Some(law) if law.mode == Mode::AtLower => self.errors[row].min(0.0),
             Some(_) => self.errors[row].max(0.0),
             None if self.gear.is_some() => 0.0,
             None => self.errors[row],
@@ -371,10 +384,15 @@ impl JointRows {
             *wanted = error - error.clamp(-most, most);
         }
         for (row, it) in (self.locked..).zip(&mut self.free_rows) {
-            // A bound may be reached as fast as the bodies are.
+            // A bound may be reached as fast as the bodies are; what has but one place is past it
+            // on either side.
             let most = h * correction_speed(it.axis.is_linear());
             let error = if it.is_at_bound() { self.errors[row] } else { 0.0 };
-            let past = if it.mode == Mode::AtLower { -error } else { error };
+            let past = match it.mode {
+                _ if it.is_held() => error.abs(),
+                Mode::AtLower => -error,
+                _ => error,
+            };
             it.is_corrected = past > 0.0;
             self.wanted[row] = (past - most).max(0.0).copysign(error);
         }
@@ -424,11 +442,6 @@ impl JointRows {
         [(b[0] + b[1].cross(self.arms[1])) - (a[0] + a[1].cross(self.arms[0])), b[1] - a[1]]
     }
 
-    /// Where it stands along a free axis.
-    pub(crate) fn direction(&self, axis: FreeAxis, bodies: &[MechanismBody]) -> Direction {
-        axis.direction(&self.stance(bodies), self.free, self.reference)
-    }
-
     /// The impulse and the angular impulse on the second body of impulses along the rows.
     #[inline(always)]
     pub(crate) fn impulse(&self, along: &[f64]) -> [Vec3<f64>; 2] {
@@ -451,35 +464,6 @@ impl JointRows {
             sum[1] = sum[1] + self.angular[row] * *amount;
         }
         sum
-    }
-
-    /// Where the second frame is against the first, along the axes of the first, and how fast it
-    /// moves: translation \[m\], rotation vector \[rad\].
-    pub(crate) fn values_and_speeds(&self, bodies: &[MechanismBody]) -> [[f64; 6]; 2] {
-        let stance = self.stance(bodies);
-        let Stance { gap, anchor_arms, axes: [axes, of_second], .. } = stance;
-        let turn = match self.rotations {
-            Rotations::AboutBoth(i, j) => {
-                let q = relative_rotation(&stance);
-                let mut angles = glam::DVec3::ZERO;
-                (angles[i], angles[j]) = (first_angle(q, i, j), second_angle(q, i, j));
-                angles[3 - i - j] = axes[i].dot(of_second[j]);
-                angles
-            }
-            _ => tumble_math::to_scaled_axis(relative_rotation(&stance).into()),
-        };
-        let [a, b] = self.bodies.map(|body| &bodies[body]);
-        let (turn_a, turn_b) = (a.angular_velocity(), b.angular_velocity());
-        let apart = (b.linear_velocity() + turn_b.cross(anchor_arms[1]))
-            - (a.linear_velocity() + turn_a.cross(anchor_arms[0] + gap));
-        let turning = turn_b - turn_a;
-        let along = |v: Vec3<f64>| axes.map(|axis| axis.dot(v));
-        let ([x, y, z], [u, v, w], mut rates) = (along(gap), along(apart), along(turning));
-        if let Rotations::AboutBoth(_, j) = self.rotations {
-            rates[j] = of_second[j].dot(turning);
-        }
-        let [p, q, r] = rates;
-        [[x, y, z, turn.x, turn.y, turn.z], [u, v, w, p, q, r]]
     }
 }
 

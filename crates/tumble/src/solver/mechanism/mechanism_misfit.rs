@@ -117,7 +117,7 @@ impl MechanismSolver {
         if self.gain <= 0.0 || is_driven {
             return;
         }
-        let lock = self.lock_of_whole;
+        let lock = self.lock_of_free();
         let rigid = self.free_bodies().map_or(Some(Rigid::AT_REST), |bodies| Rigid::of(bodies, lock));
         let Some(rigid) = rigid else { return };
         let moving = self.bodies.iter().filter(|body| body.inverse_mass != 0.0);

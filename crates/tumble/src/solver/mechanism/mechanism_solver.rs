@@ -7,6 +7,7 @@ use crate::joints::axis_lock::AxisLock;
 use crate::math::Real;
 use crate::simd::Four;
 use crate::solver::mechanism::block_ldl::BlockLdl;
+use crate::solver::mechanism::free_axis::FreeAxis;
 use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::joint_rows::{JointRows, length};
 use crate::solver::mechanism::mechanism_body::{MechanismBody, SavedBody};
@@ -64,6 +65,7 @@ pub(crate) struct MechanismSolver {
     pub(super) contradicts: bool,
     pub(super) gain: f64,
     pub(super) has_free_rows: bool,
+    pub(super) has_distances: bool,
     /// Whether no substep of this step has been solved.
     pub(super) is_first: bool,
     /// How many of the bodies are the ground of locked axes; they are the last.
@@ -128,6 +130,7 @@ impl MechanismSolver {
             grounds: 0,
             lock_of_whole: AxisLock(Axes::NONE),
             is_stuck: false,
+            has_distances: ordered.iter().any(JointRows::has_distance),
             has_free_rows: ordered.iter().any(|joint| !joint.free_rows.is_empty()),
             bodies: Vec::with_capacity(moves.len()),
             saved: Vec::with_capacity(moves.len()),
@@ -147,6 +150,14 @@ impl MechanismSolver {
             self.grounds += 1;
             self.lock_of_whole = self.lock_of_whole.with_whole(lock);
         }
+    }
+
+    /// What leaves of motions of the whole those with which it can fly free. A body that does not
+    /// turn takes up the torque of a joint that is off its centre or locks rotations.
+    pub(super) fn lock_of_free(&self) -> AxisLock {
+        let resists = |joint: &JointRows| joint.resists_turning(&self.bodies);
+        let lock = self.lock_of_whole;
+        if self.joints.iter().any(resists) { AxisLock(lock.0.with(Axes::ANGULAR)) } else { lock }
     }
 
     /// The bodies but for the ground of locked axes; `None` where one of them does not move.
@@ -377,6 +388,9 @@ impl MechanismSolver {
                 right[begin + row] = if it.is_at_bound() {
                     let left = errors[row] - joint.wanted[row];
                     most = most.max(left.abs() / if it.axis.is_linear() { size } else { 1.0 });
+                    if it.axis == FreeAxis::Distance {
+                        most = most.max(joint.missed_distance(row, it, bodies) / size);
+                    }
                     left * rate
                 } else if it.constant.is_some() {
                     0.0

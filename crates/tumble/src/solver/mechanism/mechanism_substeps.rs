@@ -42,7 +42,7 @@ impl MechanismSolver {
         self.saved.clear();
         self.saved.extend(self.bodies.iter().map(MechanismBody::saved));
         self.bodies.iter_mut().for_each(|body| body.kick(halvings));
-        let is_counted = self.matrix.may_depend() || halvings > 0;
+        let is_counted = self.matrix.may_depend() || self.has_distances || halvings > 0;
         let energy = if is_counted { self.kinetic_energy() } else { 0.0 };
         let left = self.solve_positions(half(Phase::Positions));
         self.parts += 1;
@@ -79,7 +79,7 @@ impl MechanismSolver {
         if dropped.dot(dropped) == 0.0 {
             return;
         }
-        let lock = self.lock_of_whole;
+        let lock = self.lock_of_free();
         let Some(bodies) = self.free_bodies() else { return };
         let mass: f64 = bodies.iter().map(MechanismBody::mass).sum();
         let moment = bodies.iter().fold(Vec3::zero(), |sum, body| sum + body.position() * body.mass());

@@ -15,6 +15,7 @@ mod joint_anchor;
 mod joint_free_rows;
 pub(crate) mod joint_potential;
 pub(crate) mod joint_rows;
+mod joint_values;
 pub(crate) mod mechanism_body;
 mod mechanism_drift;
 mod mechanism_free_rows;
