@@ -7,15 +7,18 @@
 mod drift;
 mod ending;
 mod failure;
+mod first_run;
 mod history;
 mod inspect;
 mod interrupt;
+mod kept;
 mod options;
 mod outputs;
 mod print;
 mod progress;
 mod replacing;
 mod run;
+mod scenes;
 mod sweep;
 mod table;
 
@@ -30,7 +33,7 @@ const BAD_USAGE: u8 = 2;
 
 fn main() -> ExitCode {
     print::escape_panics();
-    let options = match Options::try_parse() {
+    let options = match Options::try_parse_from(options::with_command(std::env::args_os())) {
         Ok(options) => options,
         Err(error) if error.use_stderr() => {
             print::usage(error);
@@ -39,11 +42,12 @@ fn main() -> ExitCode {
         // Help and version, which are this program's own words.
         Err(error) => error.exit(),
     };
-    let done = match options.command.unwrap_or_else(|| Command::Run(RunOptions::default())) {
+    let done = match options.command.unwrap_or_else(|| Command::Run(RunOptions::first())) {
         Command::Run(options) => run::run(&options),
         Command::Sweep(options) => sweep::command::sweep(&options),
         Command::Merge(options) => sweep::merge::merge(&options),
         Command::Inspect(options) => inspect::inspect(&options),
+        Command::Scenes => scenes::scenes(),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

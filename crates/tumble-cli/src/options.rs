@@ -1,9 +1,10 @@
 //! The command line.
 
+use std::ffi::OsString;
 use std::num::NonZeroU64;
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, CommandFactory as _, Parser, Subcommand};
 use tumble::math::Real;
 use tumble::{Integrator, Settings};
 use tumble_scene::{MAX_BODIES, TIME_STEPS, step_count, time_step};
@@ -15,7 +16,8 @@ const MAX_THREADS: u64 = 1024;
 
 /// Simulates rigid bodies.
 ///
-/// Without arguments: runs the built-in stress scene, 10 000 tumbling shapes over 600 steps.
+/// Without arguments: moves 10 000 tumbling shapes, says how that went and what to try next.
+/// `tumble wall` is `tumble run wall`; `tumble scenes` lists the built-in scenes.
 #[derive(Debug, Parser)]
 #[command(version, after_help = EXIT_CODES)]
 pub(crate) struct Options {
@@ -40,6 +42,22 @@ pub(crate) enum Command {
     /// them
     #[command(after_help = "Exit codes: 0 all well, 2 bad input or a body or joint with problems")]
     Inspect(InspectOptions),
+    /// List the built-in scenes
+    Scenes,
+}
+
+/// The arguments with `run` before a first one that is a built-in scene, nearly one, or a file.
+pub(crate) fn with_command(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
+    let mut arguments: Vec<_> = arguments.collect();
+    let is_scene = |name: &str| {
+        let is_command = Options::command().get_subcommands().any(|command| command.get_name() == name);
+        let is_file = name.contains(['.', '/', std::path::MAIN_SEPARATOR]);
+        !is_command && !name.starts_with('-') && (is_file || tumble_scene::nearest_builtin(name).is_some())
+    };
+    if arguments.get(1).and_then(|first| first.to_str()).is_some_and(is_scene) {
+        arguments.insert(1, "run".into());
+    }
+    arguments
 }
 
 #[derive(Debug, Default, Args)]
@@ -77,6 +95,16 @@ pub(crate) struct RunOptions {
     /// Print nothing unless something goes wrong
     #[arg(long)]
     pub(crate) quiet: bool,
+    /// Whether to say in plain words what happened, and what to try next.
+    #[arg(skip)]
+    pub(crate) is_first: bool,
+}
+
+impl RunOptions {
+    /// Those of a run without arguments.
+    pub(crate) fn first() -> Self {
+        Self { is_first: true, ..Self::default() }
+    }
 }
 
 /// How long to run, and how.
@@ -160,7 +188,6 @@ fn number(text: &str) -> Result<f64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory as _;
 
     fn run(arguments: &[&str]) -> Result<RunOptions, clap::Error> {
         let all = ["tumble", "run"].iter().chain(arguments);
@@ -207,6 +234,22 @@ mod tests {
         assert!(run(&["--steps", "1", "--duration", "1"]).is_err());
         assert!(run(&["--every", "2"]).is_err());
         assert!(run(&["--every", "0", "--record", "a.csv"]).is_err());
+    }
+
+    #[test]
+    fn scenes_and_files_are_run_without_the_word() {
+        let with_command = |arguments: &[&str]| -> Vec<String> {
+            let all = ["tumble"].iter().chain(arguments).map(OsString::from);
+            super::with_command(all).into_iter().skip(1).map(|argument| argument.into_string().unwrap()).collect()
+        };
+        assert_eq!(with_command(&["wall", "--steps", "3"]), ["run", "wall", "--steps", "3"]);
+        assert_eq!(with_command(&["piramid"]), ["run", "piramid"]);
+        assert_eq!(with_command(&["my.json"]), ["run", "my.json"]);
+        for unchanged in
+            [&["run", "wall"][..], &["inspect", "iss"], &["--help"], &["scenes"], &["nothing-like-it"], &[]]
+        {
+            assert_eq!(with_command(unchanged), unchanged);
+        }
     }
 
     #[test]

@@ -13,8 +13,10 @@ use tumble_scene::{BodyNames, Scene, steps_of_duration};
 
 use crate::drift::{Drift, NotFinite, interval};
 use crate::failure::Failure;
+use crate::first_run::FirstRun;
 use crate::history::History;
 use crate::inspect::{REPAIR, is_repairable};
+use crate::kept::Kept;
 use crate::options::{RunOptions, StepOptions};
 use crate::outputs::{Findings, Outputs};
 use crate::progress::Progress;
@@ -46,6 +48,7 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
     let history = options.report.is_some().then(|| History::open(&mut world, &simulation, bodies, steps));
     let run = Run {
         order: BodyOrder::of(&world),
+        kept: Kept::of(&world, simulation.settings()),
         world,
         names,
         history,
@@ -110,6 +113,7 @@ pub(crate) fn pool(options: &StepOptions) -> Result<ThreadPool, Failure> {
 
 struct Run {
     order: BodyOrder,
+    kept: Kept,
     world: World,
     names: BodyNames,
     history: Option<History>,
@@ -166,8 +170,12 @@ impl Run {
         let interrupted = summary.steps < steps;
         if !options.quiet {
             let simulated = self.simulation.time();
+            if options.is_first && !interrupted {
+                return print::output(&FirstRun { summary: &summary, simulated }.to_string());
+            }
             let (times, sensed) = (&self.times, self.sensed);
-            let report = Report { summary: &summary, drift: &drift, times, simulated, asked: steps, sensed };
+            let kept = self.kept;
+            let report = Report { summary: &summary, drift: &drift, kept, times, simulated, asked: steps, sensed };
             print::output(&report.to_string())?;
         }
         if interrupted { Err(Failure::Interrupted) } else { Ok(()) }

@@ -7,11 +7,14 @@ use tumble::PhaseTimes;
 use tumble_record::{Conserved, Summary};
 
 use crate::drift::Drift;
+use crate::kept::Kept;
 
 /// The table at the end of a run.
 pub(crate) struct Report<'a> {
     pub(crate) summary: &'a Summary,
     pub(crate) drift: &'a Drift,
+    /// What has a drift.
+    pub(crate) kept: Kept,
     pub(crate) times: &'a PhaseTimes,
     /// Simulated time \[s\].
     pub(crate) simulated: f64,
@@ -60,13 +63,19 @@ impl Report<'_> {
 
     fn conserved(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (start, end) = (self.drift.initial(), self.drift.latest());
-        writeln!(f, "\n{:<22} {:>15} {:>15} {:>15}", "", "start", "end", "largest drift")?;
+        let Kept { energy: keeps_energy, momentum: keeps_momentum } = self.kept;
+        let drift = if keeps_energy || keeps_momentum { "largest drift" } else { "" };
+        writeln!(
+            f,
+            "{}",
+            format_args!("\n{:<22} {:>15} {:>15} {drift:>15}", "", "start", "end").to_string().trim_end()
+        )?;
         row(f, "kinetic energy [J]", start.kinetic(), end.kinetic(), None)?;
         row(f, "potential energy [J]", start.all_potential(), end.all_potential(), None)?;
         let energy = &self.summary.energy;
-        row(f, "energy [J]", energy.initial, energy.r#final, Some(energy.max_relative_drift))?;
-        vector(f, "momentum [kg m/s]", &self.summary.linear_momentum)?;
-        vector(f, "ang. mom. [kg m2/s]", &self.summary.angular_momentum)?;
+        row(f, "energy [J]", energy.initial, energy.r#final, keeps_energy.then_some(energy.max_relative_drift))?;
+        vector(f, "momentum [kg m/s]", &self.summary.linear_momentum, keeps_momentum)?;
+        vector(f, "ang. mom. [kg m2/s]", &self.summary.angular_momentum, keeps_momentum)?;
         writeln!(f)
     }
 }
@@ -95,11 +104,11 @@ fn row(f: &mut fmt::Formatter<'_>, label: &str, start: f64, end: f64, drift: Opt
     }
 }
 
-/// The drift is that of the vector, so it stands in the first row only.
-fn vector(f: &mut fmt::Formatter<'_>, label: &str, vector: &Conserved<[f64; 3]>) -> fmt::Result {
+/// The drift is that of the vector, so it stands in the first row only, where there is one.
+fn vector(f: &mut fmt::Formatter<'_>, label: &str, vector: &Conserved<[f64; 3]>, is_kept: bool) -> fmt::Result {
     let drift = vector.max_relative_drift;
     for (axis, (start, end)) in ["x", "y", "z"].iter().zip(vector.initial.iter().zip(vector.r#final)) {
-        let first = (*axis == "x").then_some(drift);
+        let first = (is_kept && *axis == "x").then_some(drift);
         row(f, &format!("{label} {axis}"), *start, end, first)?;
     }
     Ok(())

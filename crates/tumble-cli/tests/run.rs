@@ -258,10 +258,63 @@ fn the_table_counts_the_events_of_sensors() {
 }
 
 #[test]
-fn no_arguments_run_the_stress_scene() {
-    let table = Place::new().succeed(&[]);
-    assert!(table.contains("bodies                 10000\n"), "{table}");
-    assert!(table.contains("steps                  600\n"), "{table}");
+fn no_arguments_say_in_words_what_the_stress_scene_did() {
+    let place = Place::new();
+    let words = place.succeed(&[]);
+    for part in ["10 000 boxes", "for 10 s", &place.hash(&["run", "stress"]), "-p tumble-view -- wall", "scenes"] {
+        assert!(words.contains(part), "{part}: {words}");
+    }
+    assert!(words.lines().count() <= 24 && words.lines().all(|line| line.len() <= 100), "{words}");
+}
+
+/// The drift is that of what nothing changes: not of the energy where bodies touch, nor of momentum
+/// under gravity.
+#[test]
+fn the_table_has_drifts_of_what_is_kept() {
+    let drifts = |scene: &str| -> Vec<String> {
+        let table = Place::new().succeed(&["run", scene, "--steps", "20"]);
+        // Of a label, and start, end and drift.
+        let with_drift = |line: &&str| {
+            line.split_whitespace().filter(|word| word.contains('e') && word.parse::<f64>().is_ok()).count() == 3
+        };
+        table.lines().filter(with_drift).map(|line| line.split(" [").next().unwrap().to_owned()).collect()
+    };
+    assert_eq!(drifts("t-handle"), ["energy", "momentum", "ang. mom."]);
+    assert_eq!(drifts("stress"), ["energy"]);
+    assert_eq!(drifts("pyramid"), [""; 0]);
+}
+
+#[test]
+fn scenes_are_listed_and_run_by_name_or_file() {
+    let place = Place::new();
+    let list = place.succeed(&["scenes"]);
+    assert_eq!(list.lines().count(), tumble_scene::builtin_names().count());
+    assert!(list.contains("\npyramid          A square pyramid"), "{list}");
+    assert_eq!(place.hash(&["cradle", "--steps", "5"]), place.hash(&["run", "cradle", "--steps", "5"]));
+    place.refused(&["piramid"], "did you mean \"pyramid\"?");
+    place.refused(&["run", "zzz"], "no scene is called \"zzz\"; the built-in scenes are arm");
+}
+
+/// Every file that a command of the README names is in the clone, and the command is done.
+#[test]
+fn files_of_the_readme_are_there() {
+    let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let readme = std::fs::read_to_string(root.join("README.md")).unwrap();
+    let commands = readme.lines().filter_map(|line| line.strip_prefix("cargo run --release -- "));
+    let mut files = 0;
+    for command in commands {
+        let place = Place::new();
+        let words: Vec<_> = command.split('#').next().unwrap().split_whitespace().collect();
+        let Some(file) = words.iter().position(|word| word.contains('/') && !word.contains('\'')) else { continue };
+        files += 1;
+        let path = root.join(words[file]);
+        let mut arguments = words;
+        arguments[file] = path.to_str().unwrap();
+        let code = place.run(&arguments).status.code();
+        // An impossible inertia is what `inspect` shows there.
+        assert_eq!(code, Some(if arguments[0] == "inspect" { 2 } else { 0 }), "{command}");
+    }
+    assert_eq!(files, 3);
 }
 
 #[test]

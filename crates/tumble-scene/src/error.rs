@@ -35,14 +35,17 @@ pub enum SceneError {
     },
     /// Neither a file nor a built-in scene.
     #[error(
-        "no scene is called {name:?}; the built-in scenes are {known}; \
-         the name of a file has an extension or a slash"
+        "no scene is called {name:?}{} built-in scenes are {known}; \
+         the name of a file has an extension or a slash",
+        nearest.map_or("; the".to_owned(), |nearest| format!(": did you mean {nearest:?}? The"))
     )]
     UnknownName {
         /// The name that was looked for.
         name: String,
         /// The built-in names, separated by commas.
         known: String,
+        /// That of them that is most like it, if any is.
+        nearest: Option<&'static str>,
     },
     /// The scene is generated, and its bodies have no fields that could vary.
     #[error("the {name} scene cannot be swept: it is generated, and has no fields to vary")]

@@ -35,7 +35,7 @@ pub use audit::joint::{
 pub use audit::mesh::{MeshOptions, MeshRepairs};
 pub use audit::{Audit, AuditedBody, Up};
 pub use bodies::force::{Force, HullShape};
-pub use builtin::builtin_names;
+pub use builtin::{builtin_names, builtin_scenes, nearest_builtin};
 pub use error::SceneError;
 pub use fields::field_path::FieldPath;
 pub use fields::scene_template::{RunLength, RunOverrides, SceneTemplate};

@@ -1,64 +1,92 @@
-//! Boxes on springs in a window: the space bar hits them all at a corner, and D shows their axes
-//! and angular velocities.
+//! A tower to throw balls at: space throws one, R begins again, and what is hit flashes.
 
 use macroquad::prelude as mq;
-use tumble::DebugView;
 use tumble::prelude::*;
+use tumble::{Collider, ContactEvent};
 
-/// What a box looks like: a component of the game's own, on the same entity as those of the body.
-struct Block {
-    half_extents: Vec3,
+/// Radius of a ball, and half the edge of a box \[m\].
+const RADIUS: f32 = 0.25;
+const HALF: Real = 0.24;
+
+/// What a body looks like: a component of the game's own, on the same entity as those of the body.
+struct Look {
+    is_ball: bool,
     color: mq::Color,
+    /// From 1 where it was just hit to 0.
+    flash: f32,
 }
 
 #[macroquad::main("tumble")]
 async fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut world = hecs::World::new();
-    let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO))?;
-    let half_extents = Vec3::new(0.5, 0.3, 0.1);
-    for (i, color) in [mq::RED, mq::ORANGE, mq::GOLD, mq::GREEN, mq::SKYBLUE].into_iter().enumerate() {
-        let place = Vec3::X * (i as Real - 2.0) * 1.5;
-        let body = RigidBody::new(Shape::cuboid(half_extents)).mass(2.0).position(place).interpolated();
-        // Spun about the middle axis, with a little beside it: it will turn over, again and again.
-        let spin = Vec3::new(0.01, 2.0 + i as Real, 0.01);
-        let body = body.angular_velocity(spin).build()?.spawn(&mut world);
-        let spring = SpringToPoint { anchor: place, stiffness: 20.0, damping: 1.0, ..SpringToPoint::default() };
-        world.insert(body, (spring, Block { half_extents, color }))?;
-    }
-
+    let mut world = tower()?;
+    let mut simulation = Simulation::new(Settings::default())?;
     while !mq::is_key_pressed(mq::KeyCode::Escape) {
+        if mq::is_key_pressed(mq::KeyCode::R) {
+            (world, simulation) = (tower()?, Simulation::new(Settings::default())?);
+        }
         if mq::is_key_pressed(mq::KeyCode::Space) {
-            for (pose, momentum, block) in world.query_mut::<(&Pose, &mut Momentum, &Block)>() {
-                let corner = pose.transform_point(block.half_extents);
-                momentum.apply_impulse_at(Vec3::Y * 6.0, corner, pose.position);
-            }
+            let shape = Shape::sphere(RADIUS);
+            let ball = RigidBody::new(shape.clone()).mass(8.0).position(Vec3::new(0.0, 2.0, 8.0));
+            spawn(&mut world, ball.linear_velocity(Vec3::new(0.0, 1.0, -15.0)), &shape, mq::ORANGE)?;
         }
         let alpha = simulation.advance(&mut world, f64::from(mq::get_frame_time()));
+        for event in simulation.contact_events() {
+            let ContactEvent::Begin(bodies, impact) = event else { continue };
+            for body in bodies.into_iter().filter(|_| impact.speed > 1.0) {
+                if let Ok(mut look) = world.get::<&mut Look>(body) {
+                    look.flash = 1.0;
+                }
+            }
+        }
 
         mq::clear_background(mq::BLACK);
-        let (position, target) = (mq::vec3(0.0, 2.0, 8.0), mq::Vec3::ZERO);
+        let (position, target) = (mq::vec3(4.0, 3.0, 9.0), mq::vec3(0.0, 1.2, 0.0));
         mq::set_camera(&mq::Camera3D { position, target, up: mq::Vec3::Y, ..Default::default() });
-        for (previous, pose, block) in world.query_mut::<(&PreviousPose, &Pose, &Block)>() {
-            draw(&previous.0.interpolate(pose, alpha), block);
-        }
-        if mq::is_key_down(mq::KeyCode::D) {
-            let view = DebugView { angular_velocity: Some(0.5), alpha, ..DebugView::default() };
-            view.draw(&world, &mut |from: Vec3, to: Vec3, [r, g, b]: [f32; 3]| {
-                mq::draw_line_3d(screen(from), screen(to), mq::Color::new(r, g, b, 1.0));
-            });
+        mq::draw_grid(40, 1.0, mq::GRAY, mq::DARKGRAY);
+        for (previous, pose, look) in world.query_mut::<(&PreviousPose, &Pose, &mut Look)>() {
+            look.flash *= 0.9;
+            draw(&previous.0.interpolate(pose, alpha), look);
         }
         mq::next_frame().await;
     }
     Ok(())
 }
 
-/// Draws the six faces of a box, each pair in a shade of its own.
-fn draw(pose: &Pose, block: &Block) {
-    let h = block.half_extents;
-    let edges = [Vec3::X * h.x, Vec3::Y * h.y, Vec3::Z * h.z].map(|half_edge| pose.orientation * half_edge);
+/// Ground, and three by five boxes on it.
+fn tower() -> Result<hecs::World, Box<dyn std::error::Error>> {
+    let mut world = hecs::World::new();
+    RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
+    for i in 0..15_u8 {
+        let (shape, [row, column]) = (Shape::cuboid(Vec3::splat(HALF)), [i / 3, i % 3].map(Real::from));
+        let place = Vec3::new(0.5 * column - 0.5, HALF + 2.0 * HALF * row, 0.0);
+        let color = [mq::RED, mq::GOLD, mq::GREEN, mq::SKYBLUE, mq::VIOLET][usize::from(i / 3)];
+        spawn(&mut world, RigidBody::new(shape.clone()).mass(2.0).position(place), &shape, color)?;
+    }
+    Ok(world)
+}
+
+/// Spawns a body that others bump into, and that can be drawn.
+fn spawn(
+    world: &mut hecs::World,
+    body: RigidBody,
+    shape: &Shape,
+    color: mq::Color,
+) -> Result<(), Box<dyn std::error::Error>> {
+    let look = Look { is_ball: matches!(shape, Shape::Sphere { .. }), color, flash: 0.0 };
+    body.interpolated().build()?.spawn_with(world, (Collider::new(shape)?, look));
+    Ok(())
+}
+
+/// Draws a ball, or the six faces of a box, each pair in a shade of its own.
+fn draw(pose: &Pose, look: &Look) {
+    let flashed = look.color.to_vec().lerp(mq::WHITE.to_vec(), look.flash);
+    if look.is_ball {
+        return mq::draw_sphere(screen(pose.position), RADIUS, None, mq::Color::from_vec(flashed));
+    }
+    let edges = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| pose.orientation * axis * HALF);
     for (i, shade) in [0.6, 1.0, 0.8].into_iter().enumerate() {
         let [along, a, b] = [edges[i], edges[(i + 1) % 3], edges[(i + 2) % 3]];
-        let color = mq::Color::from_vec((block.color.to_vec() * shade).truncate().extend(1.0));
+        let color = mq::Color::from_vec((flashed * shade).truncate().extend(1.0));
         for side in [along, -along] {
             let corner = pose.position + side - a - b;
             mq::draw_affine_parallelogram(screen(corner), screen(a * 2.0), screen(b * 2.0), None, color);

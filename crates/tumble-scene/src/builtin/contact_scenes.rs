@@ -22,7 +22,7 @@ pub(crate) struct ContactScene {
     pub(crate) bodies: Option<usize>,
     /// Whether chance has a part in it.
     pub(crate) is_seeded: bool,
-    description: &'static str,
+    pub(super) description: &'static str,
     source: &'static str,
     make: fn(usize, u64) -> SceneModel,
 }

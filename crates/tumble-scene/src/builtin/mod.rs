@@ -47,6 +47,43 @@ pub fn builtin_names() -> impl Iterator<Item = &'static str> {
     names.into_iter()
 }
 
+/// Names of the built-in scenes in alphabetical order, each with what it shows in a sentence.
+///
+/// ```
+/// let (_, about) = tumble_scene::builtin_scenes().find(|(name, _)| *name == "bowling").unwrap();
+/// assert_eq!(about, "A ball into the pocket of ten pins.");
+/// ```
+pub fn builtin_scenes() -> impl Iterator<Item = (&'static str, String)> {
+    builtin_names().map(|name| (name, about(name)))
+}
+
+/// The built-in scene with the name most like this one, itself if it is one, and `None` if none is
+/// like it.
+///
+/// ```
+/// assert_eq!(tumble_scene::nearest_builtin("piramid"), Some("pyramid"));
+/// ```
+pub fn nearest_builtin(name: &str) -> Option<&'static str> {
+    let alike = |known: &str| if known == name { 1.0 } else { strsim::jaro(known, name) };
+    let nearest = builtin_names().max_by(|a, b| alike(a).total_cmp(&alike(b)))?;
+    (alike(nearest) > MIN_ALIKE).then_some(nearest)
+}
+
+/// How alike names are, by Jaro, one of which may be meant by the other: as clap has it.
+const MIN_ALIKE: f64 = 0.8;
+
+/// The first sentence of a description, up to a colon.
+fn about(name: &str) -> String {
+    let description = match (contact_scenes::named(name), model(name)) {
+        (Some(scene), _) => scene.description.to_owned(),
+        (None, Some(Ok(model))) => model.description.unwrap_or_default(),
+        (None, _) => stress::ABOUT.to_owned(),
+    };
+    let first = description.split(". ").next().unwrap_or_default();
+    let first = first.split(": ").next().unwrap_or_default();
+    format!("{}.", first.trim_end_matches('.'))
+}
+
 /// The scene of that name, if it is one that lists its bodies.
 pub(crate) fn model(name: &str) -> Option<Result<SceneModel, SceneError>> {
     let made = || contact_scenes::named(name).map(|scene| Ok(scene.model(None, None)));

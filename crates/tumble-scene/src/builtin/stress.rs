@@ -11,6 +11,9 @@ use crate::bodies::scene_body::SceneBody;
 /// Bodies of the stress scene unless told otherwise.
 pub(crate) const DEFAULT_BODIES: usize = 10_000;
 
+/// What is to be seen in it.
+pub(crate) const ABOUT: &str = "Mixed tumbling shapes from a seed, falling together.";
+
 /// Steps of the stress scene.
 pub(crate) const STEPS: u64 = 600;
 

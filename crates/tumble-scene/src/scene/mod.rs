@@ -18,7 +18,7 @@ use crate::bodies::file_joint::FileJoints;
 use crate::bodies::scene_body::SceneBody;
 use crate::bodies::scene_joints::SceneJoints;
 use crate::builtin::stress::StressBodies;
-use crate::builtin::{builtin_names, contact_scenes, stress};
+use crate::builtin::{builtin_names, contact_scenes, nearest_builtin, stress};
 use crate::convert::forces::Others;
 use crate::error::{SceneError, invalid};
 use crate::limits::{MAX_BODIES, step_count, time_step};
@@ -234,7 +234,7 @@ impl Scene {
         Ok(Self {
             origin: builtin::STRESS.to_owned(),
             name: Some(builtin::STRESS.to_owned()),
-            description: Some("Mixed tumbling shapes from a seed, falling together.".to_owned()),
+            description: Some(stress::ABOUT.to_owned()),
             source: None,
             settings: Settings::default(),
             steps: stress::STEPS,
@@ -438,7 +438,8 @@ pub(crate) fn is_urdf(path: &Path) -> bool {
 }
 
 pub(crate) fn unknown(name: &str) -> SceneError {
-    SceneError::UnknownName { name: one_line(name), known: builtin_names().collect::<Vec<_>>().join(", ") }
+    let known = builtin_names().collect::<Vec<_>>().join(", ");
+    SceneError::UnknownName { name: one_line(name), known, nearest: nearest_builtin(name) }
 }
 
 pub(crate) fn load_model(path: &Path) -> Result<SceneModel, SceneError> {

@@ -1,0 +1,74 @@
+//! Which sums over a world stay what they are, so that their drift is an error.
+
+use hecs::{Component, World};
+use tumble::{
+    AngularVelocityServo, Breakable, Buoyancy, Collider, ConstantWrench, Damping, Drag, Drives, GravityMass, Joint,
+    JointFriction, LockedAxes, Magnus, Momentum, PointGravity, Pose, Settings, Spring, SpringToPoint, Thruster,
+};
+
+/// What nothing in a world changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Kept {
+    pub(crate) energy: bool,
+    pub(crate) momentum: bool,
+}
+
+impl Kept {
+    /// By what there is in a world. Where bodies can touch, energy is not kept.
+    pub(crate) fn of(world: &World, settings: &Settings) -> Self {
+        let is_held = world.query::<&Pose>().without::<&Momentum>().iter().next().is_some();
+        Self { energy: !takes_energy(world, is_held), momentum: !is_pushed(world, settings, is_held) }
+    }
+}
+
+fn has<T: Component>(world: &World) -> bool {
+    world.query::<&T>().iter().next().is_some()
+}
+
+/// Whether something gives or takes energy that has no potential.
+fn takes_energy(world: &World, is_held: bool) -> bool {
+    let is_damped = world.query::<&Spring>().iter().any(|spring| spring.damping != 0.0)
+        || world.query::<&SpringToPoint>().iter().any(|spring| spring.damping != 0.0);
+    let is_driven = has::<Drives>(world) || has::<JointFriction>(world) || has::<Breakable>(world);
+    let is_moved = has::<Thruster>(world) || has::<ConstantWrench>(world) || has::<AngularVelocityServo>(world);
+    let is_dragged = has::<Damping>(world) || has::<Drag>(world) || has::<Magnus>(world);
+    is_damped || is_driven || is_moved || is_dragged || has::<Collider>(world) || (is_held && has::<Joint>(world))
+}
+
+/// Whether something from outside pushes a body, or holds it.
+fn is_pushed(world: &World, settings: &Settings, is_held: bool) -> bool {
+    let is_moved = has::<Thruster>(world) || has::<ConstantWrench>(world) || has::<AngularVelocityServo>(world);
+    let is_dragged = has::<Damping>(world) || has::<Drag>(world) || has::<Magnus>(world);
+    let is_pulled = has::<SpringToPoint>(world) || has::<PointGravity>(world) || has::<Buoyancy>(world);
+    let acts_between =
+        has::<Collider>(world) || has::<Joint>(world) || has::<Spring>(world) || has::<GravityMass>(world);
+    let has_gravity = settings.gravity != tumble::math::Vec3::ZERO;
+    has_gravity || is_moved || is_dragged || is_pulled || has::<LockedAxes>(world) || (is_held && acts_between)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tumble_scene::Scene;
+
+    /// In scenes that are known to keep them or not: by their gravity, springs, contacts, dampers.
+    #[test]
+    fn scenes_keep_what_nothing_changes() {
+        for (name, energy, momentum) in [
+            ("t-handle", true, true),
+            ("solar-system", true, true),
+            ("stress", true, false),
+            ("drake-cylinder", true, false),
+            ("raft", true, false),
+            ("windy-day", false, false),
+            ("pyramid", false, false),
+            ("crane", false, false),
+            ("satellite", false, false),
+        ] {
+            let scene = Scene::open(name).unwrap();
+            let (settings, mut world) = (scene.settings, World::new());
+            scene.spawn(&mut world).unwrap();
+            assert_eq!(Kept::of(&world, &settings), Kept { energy, momentum }, "{name}");
+        }
+    }
+}
