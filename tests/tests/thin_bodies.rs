@@ -70,7 +70,8 @@ fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> ((f64, u64), Vec<Stri
         spawn_ground(&mut world, draw.often(0.5), surface);
         let collider = Collider::new(&shape).unwrap().with_material(surface).unwrap();
         let mass = draw.log_between(1e-3, 1e6);
-        let height = 0.75 * long + draw.between(0.0, 1.0);
+        // Over the ground however it is turned: a capsule of a ball's thickness is twice as long.
+        let height = long + draw.between(0.0, 1.0);
         let body = RigidBody::new(shape)
             .mass(mass)
             .position(Vec3::Y * real(height))

@@ -4,6 +4,7 @@ use hecs::{Component, World};
 use tumble::{
     AngularVelocityServo, Breakable, Buoyancy, Collider, ConstantWrench, Damping, Drag, Drives, GravityMass, Joint,
     JointFriction, LockedAxes, Magnus, Momentum, PointGravity, Pose, Settings, Spring, SpringToPoint, Thruster,
+    Velocity,
 };
 
 /// What nothing in a world changes.
@@ -17,7 +18,7 @@ impl Kept {
     /// By what there is in a world. Where bodies can touch, energy is not kept.
     pub(crate) fn of(world: &World, settings: &Settings) -> Self {
         let is_held = world.query::<&Pose>().without::<&Momentum>().iter().next().is_some();
-        Self { energy: !takes_energy(world, is_held), momentum: !is_pushed(world, settings, is_held) }
+        Self { energy: !takes_energy(world), momentum: !is_pushed(world, settings, is_held) }
     }
 }
 
@@ -26,24 +27,28 @@ fn has<T: Component>(world: &World) -> bool {
 }
 
 /// Whether something gives or takes energy that has no potential.
-fn takes_energy(world: &World, is_held: bool) -> bool {
+fn takes_energy(world: &World) -> bool {
     let is_damped = world.query::<&Spring>().iter().any(|spring| spring.damping != 0.0)
         || world.query::<&SpringToPoint>().iter().any(|spring| spring.damping != 0.0);
     let is_driven = has::<Drives>(world) || has::<JointFriction>(world) || has::<Breakable>(world);
-    let is_moved = has::<Thruster>(world) || has::<ConstantWrench>(world) || has::<AngularVelocityServo>(world);
+    let has_kinematic = world.query::<(&Pose, &Velocity)>().without::<&Momentum>().iter().next().is_some();
+    let is_carried = has_kinematic && (has::<Joint>(world) || has::<Spring>(world));
+    is_damped || is_driven || is_carried || is_moved_alone(world) || has::<Collider>(world)
+}
+
+/// Whether a force without a potential and without a second body acts on a body.
+fn is_moved_alone(world: &World) -> bool {
     let is_dragged = has::<Damping>(world) || has::<Drag>(world) || has::<Magnus>(world);
-    is_damped || is_driven || is_moved || is_dragged || has::<Collider>(world) || (is_held && has::<Joint>(world))
+    is_dragged || has::<Thruster>(world) || has::<ConstantWrench>(world) || has::<AngularVelocityServo>(world)
 }
 
 /// Whether something from outside pushes a body, or holds it.
 fn is_pushed(world: &World, settings: &Settings, is_held: bool) -> bool {
-    let is_moved = has::<Thruster>(world) || has::<ConstantWrench>(world) || has::<AngularVelocityServo>(world);
-    let is_dragged = has::<Damping>(world) || has::<Drag>(world) || has::<Magnus>(world);
     let is_pulled = has::<SpringToPoint>(world) || has::<PointGravity>(world) || has::<Buoyancy>(world);
     let acts_between =
         has::<Collider>(world) || has::<Joint>(world) || has::<Spring>(world) || has::<GravityMass>(world);
     let has_gravity = settings.gravity != tumble::math::Vec3::ZERO;
-    has_gravity || is_moved || is_dragged || is_pulled || has::<LockedAxes>(world) || (is_held && acts_between)
+    has_gravity || is_moved_alone(world) || is_pulled || has::<LockedAxes>(world) || (is_held && acts_between)
 }
 
 #[cfg(test)]
@@ -60,6 +65,8 @@ mod tests {
             ("stress", true, false),
             ("drake-cylinder", true, false),
             ("raft", true, false),
+            ("heavy-chain", true, false),
+            ("foucault", false, false),
             ("windy-day", false, false),
             ("pyramid", false, false),
             ("crane", false, false),
