@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::prelude::*;
-use tumble::{BodyOrder, Collider, Contact, ContactEvent, Damping, Material};
+use tumble::{BodyOrder, Collider, Contact, ContactEvent, Material};
 use tumble_tests::touching::{collider, cube, spawn};
 use tumble_tests::{by_precision, run};
 
@@ -160,13 +160,7 @@ fn a_bounce_begins_and_ends() {
 /// again at once; and what began and did not end are the touching pairs.
 #[test]
 fn a_pile_that_settles_does_not_flicker() {
-    let mut world = pile::plain_scene();
-    let paddle = world.query::<(Entity, &BodyId)>().iter().find(|(_, id)| id.0 == 1).unwrap().0;
-    world.despawn(paddle).unwrap();
-    let all: Vec<Entity> = BodyOrder::moving(&world).entities().to_vec();
-    for entity in all {
-        world.insert_one(entity, Damping { linear: 0.5, angular: 1.0 }).unwrap();
-    }
+    let mut world = pile::settling_scene(pile::SEED);
     let mut simulation = Simulation::new(pile::settings()).unwrap();
     let (mut touching, mut ended, mut late) = (BTreeSet::new(), BTreeMap::new(), 0);
     for step in 0..1500 {

@@ -378,14 +378,14 @@ fn what_is_held_is_closed_from_both_sides_alike() {
         };
         let joint = rig.join_at(joint, ORIGIN, axis);
         // A rod to the far end, which is 2 m away.
+        let goal = if kind == 2 { 2.0 - off } else { -off };
         let limits = if kind == 2 {
             rig.world.get::<&mut Joint>(joint).unwrap().frames[1].position = real(DVec3::X * 0.5);
-            Limits::rod((2.0 - off) as Real)
+            Limits::rod(goal as Real)
         } else {
-            Limits::along(if kind == 0 { Axes::LINEAR_X } else { Axes::ANGULAR_X }, limit(-off, -off))
+            Limits::along(if kind == 0 { Axes::LINEAR_X } else { Axes::ANGULAR_X }, limit(goal, goal))
         };
         rig.world.insert_one(joint, limits).unwrap();
-        let goal = if kind == 2 { 2.0 - off } else { -off };
         for step in 1..=4 {
             rig.step();
             let value = f64::from(rig.load(joint).values[number]);

@@ -5,8 +5,6 @@
 
 mod pile;
 
-use hecs::World;
-use tumble::Rng;
 use tumble::math::Real;
 use tumble::prelude::*;
 use tumble_tests::run;
@@ -28,13 +26,7 @@ fn piles_come_to_rest() {
 
 /// The greatest speed of a body of a pile in the last of twenty seconds \[m/s\].
 fn speed_at_rest(pile: u64, settings: Settings) -> Real {
-    let mut world = World::new();
-    pile::walls(&mut world);
-    pile::spawn(&mut world, 0);
-    for id in 2..=pile::BODIES {
-        let body = pile::spawn_falling(&mut world, Rng::stream(1911 + pile, id), id);
-        world.insert_one(body, Damping { linear: 0.5, angular: 1.0 }).unwrap();
-    }
+    let mut world = pile::settling_scene(1911 + pile);
     let mut simulation = Simulation::new(settings).unwrap();
     run(&mut simulation, &mut world, 19 * 64);
     let mut fastest: Real = 0.0;

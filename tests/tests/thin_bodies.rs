@@ -49,7 +49,7 @@ fn energy(world: &World) -> f64 {
 type Lengths = [f64; 3];
 
 /// Steps that a body may stay where it is although it moves: it may bounce off in each. One in
-/// [`RARELY`] of a shape may stay longer, as what spins about its thin edge does, but not for ever.
+/// [`RARELY`] of a shape may stay longer, but not for ever.
 const MAX_HELD: u32 = 8;
 const MAX_HELD_RARELY: u32 = 100;
 const RARELY: u64 = 300;

@@ -17,13 +17,13 @@ impl Display for FirstRun<'_> {
         let rate = self.summary.body_steps_per_second / 1e6;
         let times = self.simulated / step_seconds.max(f64::MIN_POSITIVE);
         writeln!(f, "tumble simulates rigid bodies: what falls, spins, collides and hangs together.\n")?;
-        let bodies = thousands(*bodies);
+        let (bodies, s) = (thousands(*bodies), if *threads == 1 { "" } else { "s" });
         writeln!(
             f,
             "It has just let {bodies} boxes, balls and other shapes fall and tumble for {:.0} s.",
             self.simulated
         )?;
-        writeln!(f, "That took {step_seconds:.2} s on {threads} threads, {times:.0} times as fast as they fell:")?;
+        writeln!(f, "That took {step_seconds:.2} s on {threads} thread{s}, {times:.0} times as fast as they fell:")?;
         writeln!(f, "{rate:.0} million steps of one body a second.")?;
         writeln!(f, "Their energy is what it was at the start, to {:.0e} of it.", energy.max_relative_drift)?;
         writeln!(f, "Every run of this command ends in the same bits, of which the hash is {state_hash}.\n")?;

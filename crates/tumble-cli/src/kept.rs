@@ -17,8 +17,7 @@ pub(crate) struct Kept {
 impl Kept {
     /// By what there is in a world. Where bodies can touch, energy is not kept.
     pub(crate) fn of(world: &World, settings: &Settings) -> Self {
-        let is_held = world.query::<&Pose>().without::<&Momentum>().iter().next().is_some();
-        Self { energy: !takes_energy(world), momentum: !is_pushed(world, settings, is_held) }
+        Self { energy: !takes_energy(world), momentum: !is_pushed(world, settings) }
     }
 }
 
@@ -43,7 +42,8 @@ fn is_moved_alone(world: &World) -> bool {
 }
 
 /// Whether something from outside pushes a body, or holds it.
-fn is_pushed(world: &World, settings: &Settings, is_held: bool) -> bool {
+fn is_pushed(world: &World, settings: &Settings) -> bool {
+    let is_held = world.query::<&Pose>().without::<&Momentum>().iter().next().is_some();
     let is_pulled = has::<SpringToPoint>(world) || has::<PointGravity>(world) || has::<Buoyancy>(world);
     let acts_between =
         has::<Collider>(world) || has::<Joint>(world) || has::<Spring>(world) || has::<GravityMass>(world);

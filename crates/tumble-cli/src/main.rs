@@ -28,6 +28,7 @@ use clap::Parser as _;
 
 use crate::failure::Failure;
 use crate::options::{Command, Options, RunOptions};
+use crate::run::OutputForm;
 
 const BAD_USAGE: u8 = 2;
 
@@ -42,12 +43,13 @@ fn main() -> ExitCode {
         // Help and version, which are this program's own words.
         Err(error) => error.exit(),
     };
-    let done = match options.command.unwrap_or_else(|| Command::Run(RunOptions::first())) {
-        Command::Run(options) => run::run(&options),
-        Command::Sweep(options) => sweep::command::sweep(&options),
-        Command::Merge(options) => sweep::merge::merge(&options),
-        Command::Inspect(options) => inspect::inspect(&options),
-        Command::Scenes => scenes::scenes(),
+    let done = match options.command {
+        None => run::run(&RunOptions::default(), OutputForm::Words),
+        Some(Command::Run(options)) => run::run(&options, OutputForm::Table),
+        Some(Command::Sweep(options)) => sweep::command::sweep(&options),
+        Some(Command::Merge(options)) => sweep::merge::merge(&options),
+        Some(Command::Inspect(options)) => inspect::inspect(&options),
+        Some(Command::Scenes) => scenes::scenes(),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,

@@ -95,16 +95,6 @@ pub(crate) struct RunOptions {
     /// Print nothing unless something goes wrong
     #[arg(long)]
     pub(crate) quiet: bool,
-    /// Whether to say in plain words what happened, and what to try next.
-    #[arg(skip)]
-    pub(crate) is_first: bool,
-}
-
-impl RunOptions {
-    /// Those of a run without arguments.
-    pub(crate) fn first() -> Self {
-        Self { is_first: true, ..Self::default() }
-    }
 }
 
 /// How long to run, and how.

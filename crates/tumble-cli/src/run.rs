@@ -26,8 +26,16 @@ use crate::{interrupt, print};
 /// Between two looks at the clock, at Ctrl-C and at the progress bar.
 const BURST: Duration = Duration::from_millis(50);
 
+/// What a run writes to standard output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum OutputForm {
+    Table,
+    /// In plain words, with what to try next.
+    Words,
+}
+
 /// Runs a scene, records and reports.
-pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
+pub(crate) fn run(options: &RunOptions, form: OutputForm) -> Result<(), Failure> {
     let scene = scene(options)?;
     if !options.quiet {
         print::notices(&scene.notices);
@@ -61,7 +69,7 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
         sensed: [0; 2],
         every: options.every.map_or(1, std::num::NonZero::get),
     };
-    pool.install(|| run.complete(options, bodies, steps, pool.current_num_threads() as u64))
+    pool.install(|| run.complete((options, form), bodies, steps, pool.current_num_threads() as u64))
 }
 
 /// The instruction set that the environment asks for, if any, is to be the one that runs: a figure
@@ -129,7 +137,13 @@ struct Run {
 }
 
 impl Run {
-    fn complete(mut self, options: &RunOptions, bodies: u64, steps: u64, threads: u64) -> Result<(), Failure> {
+    fn complete(
+        mut self,
+        (options, form): (&RunOptions, OutputForm),
+        bodies: u64,
+        steps: u64,
+        threads: u64,
+    ) -> Result<(), Failure> {
         let started = Instant::now();
         let stepped = self.all_steps(interval(bodies, steps), steps);
         let wall_time = started.elapsed();
@@ -170,7 +184,7 @@ impl Run {
         let interrupted = summary.steps < steps;
         if !options.quiet {
             let simulated = self.simulation.time();
-            if options.is_first && !interrupted {
+            if form == OutputForm::Words && !interrupted {
                 return print::output(&FirstRun { summary: &summary, simulated }.to_string());
             }
             let (times, sensed) = (&self.times, self.sensed);

@@ -64,12 +64,8 @@ impl Report<'_> {
     fn conserved(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (start, end) = (self.drift.initial(), self.drift.latest());
         let Kept { energy: keeps_energy, momentum: keeps_momentum } = self.kept;
-        let drift = if keeps_energy || keeps_momentum { "largest drift" } else { "" };
-        writeln!(
-            f,
-            "{}",
-            format_args!("\n{:<22} {:>15} {:>15} {drift:>15}", "", "start", "end").to_string().trim_end()
-        )?;
+        let drift = if keeps_energy || keeps_momentum { "   largest drift" } else { "" };
+        writeln!(f, "\n{:<22} {:>15} {:>15}{drift}", "", "start", "end")?;
         row(f, "kinetic energy [J]", start.kinetic(), end.kinetic(), None)?;
         row(f, "potential energy [J]", start.all_potential(), end.all_potential(), None)?;
         let energy = &self.summary.energy;

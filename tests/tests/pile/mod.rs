@@ -9,6 +9,9 @@ use tumble::math::{Quat, Real, Vec3, dquat};
 use tumble::prelude::*;
 use tumble::{Amount, Collider, InertiaTensor, Material, Part, Rng};
 
+/// Of the random numbers of the plain pile.
+pub(crate) const SEED: u64 = 7;
+
 /// Moving bodies, and the paddle.
 pub(crate) const BODIES: u64 = 61;
 
@@ -42,12 +45,12 @@ pub(crate) fn spawn(world: &mut World, id: u64) -> Entity {
             let paddle = RigidBody::new(shape).kinematic().position(Vec3::Y * 0.4).angular_velocity(Vec3::Y * 2.0);
             paddle.id(BodyId(id)).build().unwrap().spawn_with(world, (collider,))
         }
-        _ => spawn_falling(world, Rng::stream(7, id), id),
+        _ => spawn_falling(world, Rng::stream(SEED, id), id),
     }
 }
 
 /// What falls, of the kind of its identity.
-pub(crate) fn spawn_falling(world: &mut World, mut rng: Rng, id: u64) -> Entity {
+fn spawn_falling(world: &mut World, mut rng: Rng, id: u64) -> Entity {
     let mut length = || f64::from(rng.range(0.15, 0.25));
     let shape = match id % 8 {
         0 | 2 => Shape::sphere(length()),
@@ -105,6 +108,18 @@ pub(crate) fn scene(ids: &[u64]) -> World {
 
 pub(crate) fn plain_scene() -> World {
     scene(&identities())
+}
+
+/// The pile of these random numbers, without its paddle and damped: it comes to rest.
+pub(crate) fn settling_scene(seed: u64) -> World {
+    let mut world = World::new();
+    walls(&mut world);
+    spawn(&mut world, 0);
+    for id in 2..=BODIES {
+        let body = spawn_falling(&mut world, Rng::stream(seed, id), id);
+        world.insert_one(body, Damping { linear: 0.5, angular: 1.0 }).unwrap();
+    }
+    world
 }
 
 /// The identities in another order.

@@ -64,21 +64,18 @@ pub fn builtin_scenes() -> impl Iterator<Item = (&'static str, String)> {
 /// assert_eq!(tumble_scene::nearest_builtin("piramid"), Some("pyramid"));
 /// ```
 pub fn nearest_builtin(name: &str) -> Option<&'static str> {
-    let alike = |known: &str| if known == name { 1.0 } else { strsim::jaro(known, name) };
-    let nearest = builtin_names().max_by(|a, b| alike(a).total_cmp(&alike(b)))?;
-    (alike(nearest) > MIN_ALIKE).then_some(nearest)
+    let alike = builtin_names().map(|known| (strsim::jaro(known, name), known));
+    alike.filter(|(alike, _)| *alike > MIN_ALIKE).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, nearest)| nearest)
 }
 
-/// How alike names are, by Jaro, one of which may be meant by the other: as clap has it.
+/// The Jaro similarity beyond which one name may be meant by another.
 const MIN_ALIKE: f64 = 0.8;
 
 /// The first sentence of a description, up to a colon.
 fn about(name: &str) -> String {
-    let description = match (contact_scenes::named(name), model(name)) {
-        (Some(scene), _) => scene.description.to_owned(),
-        (None, Some(Ok(model))) => model.description.unwrap_or_default(),
-        (None, _) => stress::ABOUT.to_owned(),
-    };
+    let of_file = || text(name).and_then(|text| parse(text, Format::Json, name).ok()?.description);
+    let made = contact_scenes::named(name).map(|scene| scene.description.to_owned());
+    let description = made.or_else(of_file).unwrap_or_else(|| stress::ABOUT.to_owned());
     let first = description.split(". ").next().unwrap_or_default();
     let first = first.split(": ").next().unwrap_or_default();
     format!("{}.", first.trim_end_matches('.'))

@@ -185,7 +185,7 @@ impl FreeRow {
     }
 
     /// Whether both bounds are the same, and it has a value.
-    pub(crate) fn is_held(&self) -> bool {
+    fn is_held(&self) -> bool {
         self.bounds[0] == self.bounds[1] && !self.value.is_nan()
     }
 
@@ -212,16 +212,29 @@ impl FreeRow {
     /// The error of a distance at a bound, of which this is the part along the row and `wanted` is
     /// to be left: by how much that part is too long if what is across it stays.
     pub(crate) fn error_of_distance(&self, distance: f64, along: f64, wanted: f64) -> f64 {
-        let goal = distance - self.error_at_bound(distance) + wanted;
-        let square_across = distance * distance - along * along;
+        let (goal, square_across) = self.goal_and_square_across(distance, along, wanted);
         along - (goal * goal - square_across).max(0.0).sqrt() + wanted
     }
 
     /// By how much a distance is too long even where its part along the row is zero.
     pub(crate) fn missed_distance(&self, distance: f64, along: f64, wanted: f64) -> f64 {
-        let goal = distance - self.error_at_bound(distance) + wanted;
-        let across = (distance * distance - along * along).max(0.0).sqrt();
-        (across - goal.abs()).max(0.0)
+        let (goal, square_across) = self.goal_and_square_across(distance, along, wanted);
+        (square_across.max(0.0).sqrt() - goal.abs()).max(0.0)
+    }
+
+    /// What a distance is to be \[m\], and the square of its part across the row.
+    fn goal_and_square_across(&self, distance: f64, along: f64, wanted: f64) -> (f64, f64) {
+        (distance - self.error_at_bound(distance) + wanted, distance * distance - along * along)
+    }
+
+    /// How far an error is past the bound that the row is at; what has but one place is past it on
+    /// either side.
+    pub(crate) fn past_bound(&self, error: f64) -> f64 {
+        match self.mode {
+            _ if self.is_held() => error.abs(),
+            Mode::AtLower => -error,
+            _ => error,
+        }
     }
 
     pub(crate) fn is_at_bound(&self) -> bool {

@@ -12,6 +12,11 @@ use crate::solver::mechanism::joint_rows::{IDENTITY, JointRows};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_matrix::turning;
 
+/// Whether there is a rope or a rod among the rows of a joint.
+pub(super) fn has_distance(free_rows: &[FreeRow]) -> bool {
+    free_rows.iter().any(|row| row.axis == FreeAxis::Distance)
+}
+
 impl JointRows {
     /// Takes over what acts along its free axes, which are as many as when it was made.
     pub(crate) fn take_options(&mut self, options: &JointOptions) {
@@ -154,11 +159,6 @@ impl JointRows {
             }
         }
         responses
-    }
-
-    /// Whether it has a rope or a rod.
-    pub(super) fn has_distance(&self) -> bool {
-        self.free_rows.iter().any(|row| row.axis == FreeAxis::Distance)
     }
 
     /// By how much the distance of a row at a bound is more than the row can bring it to \[m\].

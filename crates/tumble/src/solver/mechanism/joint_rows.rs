@@ -6,8 +6,9 @@ use crate::joints::axes::Axes;
 use crate::joints::joint_options::JointOptions;
 use crate::solver::mechanism::block_kernels::MAX_ROWS;
 use crate::solver::mechanism::free_axis::{Direction, FreeAxis, free_axes};
-use crate::solver::mechanism::free_row::{FreeRow, Mode};
+use crate::solver::mechanism::free_row::FreeRow;
 use crate::solver::mechanism::gear_rows::GearRows;
+use crate::solver::mechanism::joint_free_rows::has_distance;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::rotations::{MIN_SINE, Rotations, from_square};
 
@@ -83,8 +84,7 @@ impl JointRows {
         let locked = 6 - free.count() as usize;
         let free_rows: Vec<_> = options.into_iter().flat_map(|it| free_axes(it, free)).map(FreeRow::new).collect();
         let mut linear = [zero; MAX_ROWS];
-        let has_distance = free_rows.iter().any(|row| row.axis == FreeAxis::Distance);
-        let is_pinned = !(free.has(0) || free.has(1) || free.has(2) || has_distance);
+        let is_pinned = !(free.has(0) || free.has(1) || free.has(2) || has_distance(&free_rows));
         let is_plain_ball = free == Axes::ANGULAR && free_rows.is_empty();
         if is_pinned {
             (0..3).for_each(|axis| linear[axis] = linear_axis(free, axis, &[zero; 3]));
@@ -367,9 +367,7 @@ impl JointRows {
     /// it were met. A bound that is to be reached has none, nor has a gear: its rows stay the same.
     pub(crate) fn misfit(&self) -> f64 {
         self.largest(|row| match row.checked_sub(self.locked).map(|row| &self.free_rows[row]) {
-            Some(law) if law.is_held() => self.errors[row],
-            Some(law) if law.mode == Mode::AtLower => self.errors[row].min(0.0),
-            Some(_) => self.errors[row].max(0.0),
+            Some(law) => law.past_bound(self.errors[row]).max(0.0),
             None if self.gear.is_some() => 0.0,
             None => self.errors[row],
         })
@@ -384,15 +382,10 @@ impl JointRows {
             *wanted = error - error.clamp(-most, most);
         }
         for (row, it) in (self.locked..).zip(&mut self.free_rows) {
-            // A bound may be reached as fast as the bodies are; what has but one place is past it
-            // on either side.
+            // A bound may be reached as fast as the bodies are.
             let most = h * correction_speed(it.axis.is_linear());
             let error = if it.is_at_bound() { self.errors[row] } else { 0.0 };
-            let past = match it.mode {
-                _ if it.is_held() => error.abs(),
-                Mode::AtLower => -error,
-                _ => error,
-            };
+            let past = it.past_bound(error);
             it.is_corrected = past > 0.0;
             self.wanted[row] = (past - most).max(0.0).copysign(error);
         }

@@ -9,6 +9,7 @@ use crate::simd::Four;
 use crate::solver::mechanism::block_ldl::BlockLdl;
 use crate::solver::mechanism::free_axis::FreeAxis;
 use crate::solver::mechanism::free_row::Phase;
+use crate::solver::mechanism::joint_free_rows::has_distance;
 use crate::solver::mechanism::joint_rows::{JointRows, length};
 use crate::solver::mechanism::mechanism_body::{MechanismBody, SavedBody};
 use crate::solver::mechanism::mechanism_drift::Drift;
@@ -65,6 +66,7 @@ pub(crate) struct MechanismSolver {
     pub(super) contradicts: bool,
     pub(super) gain: f64,
     pub(super) has_free_rows: bool,
+    /// Whether there are ropes or rods, which may add energy where they are closed.
     pub(super) has_distances: bool,
     /// Whether no substep of this step has been solved.
     pub(super) is_first: bool,
@@ -130,7 +132,7 @@ impl MechanismSolver {
             grounds: 0,
             lock_of_whole: AxisLock(Axes::NONE),
             is_stuck: false,
-            has_distances: ordered.iter().any(JointRows::has_distance),
+            has_distances: ordered.iter().any(|joint| has_distance(&joint.free_rows)),
             has_free_rows: ordered.iter().any(|joint| !joint.free_rows.is_empty()),
             bodies: Vec::with_capacity(moves.len()),
             saved: Vec::with_capacity(moves.len()),
