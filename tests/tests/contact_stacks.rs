@@ -244,9 +244,9 @@ fn stays_in_a_closed_box(bodies: Vec<Thrown>, bounce: f64) -> Result<(), TestCas
     Ok(())
 }
 
-// Four thousand scenes, in two tests that run side by side.
+// Two thousand scenes, in two tests that run side by side.
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(ProptestConfig::with_cases(1000))]
 
     #[test]
     fn nothing_escapes_a_closed_box(bodies in thrown(), bounce in 0.0..0.5_f64) {

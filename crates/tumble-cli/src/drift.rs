@@ -75,13 +75,17 @@ impl Drift {
         &self.latest
     }
 
+    /// What departures of the energy are compared to \[J\].
+    pub(crate) fn energy_scale(&self) -> f64 {
+        self.initial.energy().abs().max(self.initial.kinetic()).max(self.exchanged)
+    }
+
     pub(crate) fn energy(&self) -> Conserved<f64> {
         let start = &self.initial;
-        let scale = start.energy().abs().max(start.kinetic()).max(self.exchanged);
         Conserved {
             initial: start.energy(),
             r#final: self.latest.energy(),
-            max_relative_drift: relative(self.energy, scale),
+            max_relative_drift: relative(self.energy, self.energy_scale()),
         }
     }
 

@@ -95,20 +95,14 @@ impl History {
         plot.series("sum", SeriesStyle::Line, self.over_time(LedgerEntry::energy))
     }
 
-    /// How far the energy is from where it began, relative to the kinetic energy at the start or
-    /// the most that the potentials have changed so far, whichever is larger.
-    pub(crate) fn drift_plot(&self) -> Plot {
-        let entries = self.ledger.entries();
-        let (energy, at_start) =
-            entries.first().map_or((0.0, 0.0), |first| (first.energy(), first.totals.all_potential()));
-        let mut scale = entries.first().map_or(0.0, LedgerEntry::kinetic);
-        let drift = self.over_time(move |entry| {
-            scale = scale.max((entry.totals.all_potential() - at_start).abs());
-            if scale > 0.0 { (entry.energy() - energy) / scale } else { 0.0 }
-        });
+    /// How far the energy is from where it began, relative to the scale \[J\] of the largest drift
+    /// beside it.
+    pub(crate) fn drift_plot(&self, scale: f64) -> Plot {
+        let energy = self.ledger.entries().first().map_or(0.0, LedgerEntry::energy);
+        let drift = self.over_time(move |entry| if scale > 0.0 { (entry.energy() - energy) / scale } else { 0.0 });
         Plot::new("Change of energy")
             .x_axis("time [s]", Scale::Linear)
-            .y_axis("relative to the energy at play", Scale::Linear)
+            .y_axis("relative to its scale", Scale::Linear)
             .series("", SeriesStyle::Line, drift)
     }
 

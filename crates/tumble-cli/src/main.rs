@@ -11,7 +11,6 @@ mod first_run;
 mod history;
 mod inspect;
 mod interrupt;
-mod kept;
 mod options;
 mod outputs;
 mod print;

@@ -8,10 +8,12 @@ use std::{fs, io};
 
 use tumble::PhaseTimes;
 use tumble_record::{
-    Animation, Frame, PendingFile, Replay, ReportPage, Summary, TrajectoryError, TrajectoryFormat, TrajectoryWriter,
+    Animation, Frame, Kept, PendingFile, Replay, ReportPage, Summary, TrajectoryError, TrajectoryFormat,
+    TrajectoryWriter,
 };
 use tumble_scene::Scene;
 
+use crate::drift::Drift;
 use crate::ending::trajectory_format;
 use crate::failure::Failure;
 use crate::history::History;
@@ -134,6 +136,8 @@ fn trajectory(
 /// What there is to report of a run.
 pub(crate) struct Findings<'a> {
     pub(crate) summary: &'a Summary,
+    pub(crate) drift: &'a Drift,
+    pub(crate) kept: Kept,
     /// Steps that were asked for.
     pub(crate) asked: u64,
     pub(crate) history: Option<&'a History>,
@@ -173,10 +177,10 @@ impl Report {
 
     /// Writes what there is to write; the files that are whole then, and are still to be renamed.
     fn write(self, findings: &Findings<'_>) -> Result<Vec<(PathBuf, PendingFile)>, Failure> {
-        let Findings { summary, asked, history, replay, times } = *findings;
+        let Findings { summary, drift, kept, asked, history, replay, times } = *findings;
         let (mut plots, mut whole) = (Vec::new(), Vec::new());
         if let Some(history) = history {
-            plots = vec![history.energy_plot(), history.drift_plot()];
+            plots = vec![history.energy_plot(), history.drift_plot(drift.energy_scale())];
             whole.push(write(self.ledger, |file| history.write_csv(file))?);
             for (place, plot) in [self.energy, self.drift].into_iter().zip(&plots) {
                 whole.push(write(place, |file| file.write_all(plot.to_svg().as_bytes()))?);
@@ -184,7 +188,7 @@ impl Report {
         }
         if let Some(replay) = replay {
             let (phases, plots) = (&systems(times), plots.as_slice());
-            let page = ReportPage { summary, steps_asked: asked, phases, plots, replay };
+            let page = ReportPage { summary, kept, steps_asked: asked, phases, plots, replay };
             whole.push(write(self.page, |file| page.write(file))?);
         }
         whole.push(write(self.summary, |file| {

@@ -8,7 +8,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use tumble::math::PRECISION;
 use tumble::{BodyId, BodyOrder, PhaseTimes, Simulation, simd_name, state_hash};
 use tumble_import::InertiaRepairs;
-use tumble_record::{Frame, Replay, Summary};
+use tumble_record::{Frame, Kept, Replay, Summary};
 use tumble_scene::{BodyNames, Scene, steps_of_duration};
 
 use crate::drift::{Drift, NotFinite, interval};
@@ -16,7 +16,6 @@ use crate::failure::Failure;
 use crate::first_run::FirstRun;
 use crate::history::History;
 use crate::inspect::{REPAIR, is_repairable};
-use crate::kept::Kept;
 use crate::options::{RunOptions, StepOptions};
 use crate::outputs::{Findings, Outputs};
 use crate::progress::Progress;
@@ -180,7 +179,15 @@ impl Run {
             state_hash: format!("{:016x}", state_hash(&self.world, &self.order)),
         };
         let (history, replay) = (self.history.as_ref(), self.replay.as_ref());
-        self.outputs.finish(Some(Findings { summary: &summary, asked: steps, history, replay, times: &self.times }))?;
+        self.outputs.finish(Some(Findings {
+            summary: &summary,
+            drift: &drift,
+            kept: self.kept,
+            asked: steps,
+            history,
+            replay,
+            times: &self.times,
+        }))?;
         let interrupted = summary.steps < steps;
         if !options.quiet {
             let simulated = self.simulation.time();

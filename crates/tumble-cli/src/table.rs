@@ -4,10 +4,9 @@ use std::fmt::{self, Display};
 use std::time::Duration;
 
 use tumble::PhaseTimes;
-use tumble_record::{Conserved, Summary};
+use tumble_record::{Conserved, Kept, Summary};
 
 use crate::drift::Drift;
-use crate::kept::Kept;
 
 /// The table at the end of a run.
 pub(crate) struct Report<'a> {

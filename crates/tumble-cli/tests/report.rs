@@ -9,6 +9,8 @@ mod support;
 
 use std::collections::BTreeSet;
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD as BASE64;
 use support::Place;
 use tumble::Pose;
 use tumble::math::{Quat, Real, Vec3};
@@ -40,11 +42,13 @@ fn the_page_is_whole_and_stands_beside_the_other_files() {
         .collect();
     files.sort();
     assert_eq!(files, ["drift.svg", "energy.svg", "ledger.csv", "report.html", "summary.json"]);
-    // Both plots, which are those of the files but for the name that SVG has outside of HTML.
+    // Both plots, which are those of the files but for the name that SVG has outside of HTML, and
+    // again for narrow screens.
     for plot in ["energy.svg", "drift.svg"] {
         let svg = place.read(&format!("report/{plot}"));
         assert!(page.contains(&svg.replace(" xmlns=\"http://www.w3.org/2000/svg\"", "")), "{plot}");
     }
+    assert_eq!((page.matches("class=\"plot wide\"").count(), page.matches("class=\"plot narrow\"").count()), (2, 2));
     let summary = place.summary();
     assert!(page.contains(summary["state_hash"].as_str().unwrap()));
     for phase in ["accumulate_forces", "integrate", "update_derived"] {
@@ -80,20 +84,56 @@ fn texts_of_a_scene_stay_texts() {
 #[test]
 fn what_is_left_out_is_said() {
     let place = Place::new();
-    let page = page(&place, &["stress", "--bodies", "10000", "--steps", "1000"]);
-    assert!(page.len() < 9_000_000, "{} bytes", page.len());
+    let page = page(&place, &["stress", "--bodies", "12000", "--steps", "100"]);
+    assert!(page.len() < 14_000_000, "{} bytes", page.len());
     let data = data(&page);
-    assert_eq!(list(&data, "bodies").len(), 1000);
+    assert_eq!(list(&data, "bodies").len(), 10_000);
     let times = list(&data, "times");
-    // Three of the six mebibytes go to the capsules, each a mesh of its own. At twenty bytes a body
-    // there is room for 150 frames and a few, which is each eighth of 1000 steps, and the first.
-    assert_eq!(times.len(), 126);
+    // Four of the nine mebibytes go to the capsules, each a mesh of its own. At fourteen bytes a
+    // body there is room for 37 frames, which is each fourth of 100 steps, and the first.
+    assert_eq!(times.len(), 26);
     assert_eq!(times[0], 0.0);
-    // A thousand steps of 1/60 s in f32.
-    assert!((times.last().unwrap().as_f64().unwrap() - 1000.0 / 60.0).abs() < 1e-4, "{:?}", times.last());
-    let said = "1000 of the 10\u{202f}000 bodies are shown";
+    // A hundred steps of 1/60 s in f32.
+    assert!((times.last().unwrap().as_f64().unwrap() - 100.0 / 60.0).abs() < 1e-5, "{:?}", times.last());
+    let said = "10\u{202f}000 of the 12\u{202f}000 bodies are shown";
     assert_eq!(page.matches(said).count(), 2, "on the page and in the comment");
-    assert!(page.contains("126 frames of 1000 steps are kept, one every 8 steps"));
+    assert!(page.contains("26 frames of 100 steps are kept, one every 4 steps"));
+}
+
+/// A pyramid has no holes: its 2871 bodies are all there, with positions in 16 bits of the way of
+/// each, which are those of the record to half of a part.
+#[test]
+fn many_bodies_are_shown_whole() {
+    let place = Place::new();
+    let page = page(&place, &["pyramid", "--steps", "40", "--record", "pyramid.csv"]);
+    let data = data(&page);
+    let (bodies, times) = (list(&data, "bodies").len(), list(&data, "times").len());
+    assert_eq!((bodies, times), (2871, 41));
+    assert!(page.contains("All bodies are shown."));
+    let bytes = |key: &str| BASE64.decode(data[key].as_str().unwrap()).unwrap();
+    let parts: Vec<f64> =
+        bytes("positions").chunks_exact(2).map(|it| f64::from(u16::from_le_bytes([it[0], it[1]]))).collect();
+    let ways: Vec<f64> =
+        bytes("ways").chunks_exact(4).map(|it| f64::from(f32::from_le_bytes([it[0], it[1], it[2], it[3]]))).collect();
+    assert_eq!((parts.len(), ways.len()), (3 * bodies * times, 6 * bodies));
+    let record = place.read("pyramid.csv");
+    let mut lines = record.lines();
+    let columns: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let column = ["px", "py", "pz"].map(|name| columns.iter().position(|it| *it == name).unwrap());
+    let mut checked = 0;
+    for (row, line) in lines.enumerate() {
+        let numbers: Vec<&str> = line.split(',').collect();
+        let body = row % bodies;
+        for (axis, column) in column.into_iter().enumerate() {
+            let [low, size] = [ways[6 * body + axis], ways[6 * body + 3 + axis]];
+            let shown = low + parts[3 * row + axis] / 65535.0 * size;
+            let recorded: f64 = numbers[column].parse().unwrap();
+            // And a rounding of positions of metres in single precision.
+            assert!((shown - recorded).abs() <= 0.51 * size / 65535.0 + 2e-6, "row {row}: {shown} and {recorded}");
+        }
+        checked += 1;
+    }
+    assert_eq!(checked, bodies * times);
 }
 
 #[test]
@@ -259,12 +299,12 @@ fn joints_that_break_go() {
 #[test]
 fn joints_of_bodies_that_are_left_out_are_too() {
     let place = Place::new();
-    let bodies: Vec<_> = (0..1200).map(|i| serde_json::json!({ "mass": 1, "position": [i, 0, 0] })).collect();
+    let bodies: Vec<_> = (0..12_000).map(|i| serde_json::json!({ "mass": 1, "position": [i, 0, 0] })).collect();
     let joint = |i: usize| {
         let between = [format!("body-{i}"), format!("body-{}", i + 1)];
         serde_json::json!({ "between": between, "ball": { "at": [i as f64 + 0.5, 0, 0] } })
     };
-    let joints: Vec<_> = (0..1199).map(joint).collect();
+    let joints: Vec<_> = (0..2000).map(joint).collect();
     place.write("chain.json", serde_json::json!({ "bodies": bodies, "joints": joints }).to_string());
     let page = page(&place, &["chain.json", "--steps", "1"]);
     let data = data(&page);
@@ -272,9 +312,9 @@ fn joints_of_bodies_that_are_left_out_are_too() {
     // A body that is left out takes the joints on both sides with it.
     let names: BTreeSet<_> = list(&data, "bodies").iter().map(|body| body["name"].as_str().unwrap()).collect();
     let is_there = |i: usize| names.contains(format!("body-{i}").as_str());
-    assert_eq!(shown, (0..1199).filter(|i| is_there(*i) && is_there(i + 1)).count());
-    assert!(shown > 100 && shown < 1199);
-    assert!(page.contains(&format!("{shown} of the 1199 joints are shown.")), "{shown}");
+    assert_eq!(shown, (0..2000).filter(|i| is_there(*i) && is_there(i + 1)).count());
+    assert!(shown > 100 && shown < 2000);
+    assert!(page.contains(&format!("{shown} of the 2000 joints are shown.")), "{shown}");
     for (end, joint) in list(&data, "joints").iter().flat_map(|joint| [(0, joint), (1, joint)]) {
         let body = joint["bodies"][end].as_u64().unwrap() as usize;
         let name = list(&data, "bodies")[body]["name"].as_str().unwrap();

@@ -112,7 +112,7 @@ impl<'a> Portrait<'a> {
 
     fn to_svg(&self) -> String {
         let name: String = self.body.name.chars().take(TITLE).collect();
-        let mut svg = opening([WIDTH, HEIGHT], &name, [28.0, 36.0], &style());
+        let mut svg = opening([WIDTH, HEIGHT], &name, [28.0, 36.0], (&style(), None));
         let [backs, fronts] = self.surface.draw(&self.camera);
         put(&mut svg, format_args!("<g opacity=\".6\">\n{backs}</g>\n"));
         if let Some(matter) = &self.matter {

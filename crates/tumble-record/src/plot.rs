@@ -7,14 +7,12 @@ pub(crate) use crate::plot::axis::Scale;
 
 use crate::svg::{escaped, opening, put};
 
-const WIDTH: f64 = 760.0;
-const HEIGHT: f64 = 420.0;
-const LEFT: f64 = 92.0;
 const TOP: f64 = 48.0;
-const BOTTOM: f64 = HEIGHT - 56.0;
 /// Width of a character of the legend, on average, and of what stands before it.
 const CHARACTER: f64 = 7.0;
 const SWATCH: f64 = 34.0;
+/// Height of a row of the legend.
+const ROW: f64 = 20.0;
 /// Colours of the series on a light and on a dark ground, told apart by all kinds of eyes (M.
 /// Okabe, K. Ito, 2002).
 const COLORS: [(&str, &str); 6] = [
@@ -29,6 +27,34 @@ const STYLE: &str = "text{font:13px system-ui,-apple-system,'Segoe UI',Helvetica
 .title{font-size:15px;font-weight:600}.ground{fill:#fff}.grid{stroke:#e4e4e4}.frame{stroke:#888;fill:none}\
 .line{fill:none;stroke-width:1.8;stroke-linejoin:round;stroke-linecap:round}";
 const STYLE_IN_THE_DARK: &str = "text{fill:#ddd}.ground{fill:#15181c}.grid{stroke:#2e3338}.frame{stroke:#888}";
+
+/// Where the legend stands.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Legend {
+    Beside,
+    Below,
+}
+
+/// The size of a picture, and where its axes are.
+#[derive(Clone, Copy)]
+struct Layout {
+    width: f64,
+    /// Without a legend below.
+    height: f64,
+    left: f64,
+    legend: Legend,
+}
+
+/// As it stands in files and on wide screens.
+const WIDE: Layout = Layout { width: 760.0, height: 420.0, left: 92.0, legend: Legend::Beside };
+/// For the screen of a phone.
+const NARROW: Layout = Layout { width: 380.0, height: 300.0, left: 72.0, legend: Legend::Below };
+
+impl Layout {
+    fn bottom(self) -> f64 {
+        self.height - 56.0
+    }
+}
 
 /// How a series is drawn.
 ///
@@ -113,41 +139,67 @@ impl Plot {
     }
 
     /// The picture.
+    ///
+    /// Where the x axis is linear, `data-x` of the picture has the two ends of that axis in the
+    /// picture, the two values there, and the upper and lower end of the other axis.
     pub fn to_svg(&self) -> String {
-        let longest = self.series.iter().map(|series| series.name.chars().count()).max().unwrap_or(0);
-        let legend = if longest == 0 { 0.0 } else { SWATCH + CHARACTER * longest as f64 };
-        let right = WIDTH - legend.min(0.5 * WIDTH) - 18.0;
+        self.drawn(WIDE)
+    }
+
+    /// The picture for a screen that is half as wide: the legend stands below.
+    pub(crate) fn to_narrow_svg(&self) -> String {
+        self.drawn(NARROW)
+    }
+
+    fn drawn(&self, layout: Layout) -> String {
+        let named = self.series.iter().filter(|series| !series.name.is_empty());
+        let longest = named.clone().map(|series| series.name.chars().count()).max().unwrap_or(0);
+        let (beside, below) = match layout.legend {
+            Legend::Beside if longest == 0 => (0.0, 0.0),
+            Legend::Beside => (SWATCH + CHARACTER * longest as f64, 0.0),
+            Legend::Below => (0.0, ROW * named.count() as f64),
+        };
+        let right = layout.width - beside.min(0.5 * layout.width) - 18.0;
         let points = || self.series.iter().flat_map(|series| &series.points);
-        let x = Axis::new(self.axes[0].1, points().map(|p| p.0), LEFT, right);
-        let y = Axis::new(self.axes[1].1, points().map(|p| p.1), BOTTOM, TOP);
-        let mut svg = opening([WIDTH, HEIGHT], &self.title, [LEFT, 28.0], &style());
-        self.draw_axes(&mut svg, &x, &y, right);
+        let x = Axis::new(self.axes[0].1, points().map(|p| p.0), layout.left, right);
+        let y = Axis::new(self.axes[1].1, points().map(|p| p.1), layout.bottom(), TOP);
+        let [low, high] = x.range();
+        let data = (self.axes[0].1 == Scale::Linear)
+            .then(|| format!("{} {right:.1} {low:e} {high:e} {TOP} {}", layout.left, layout.bottom()));
+        let size = [layout.width, layout.height + below];
+        let mut svg = opening(size, &self.title, [layout.left, 28.0], (&style(), data.as_deref()));
+        self.draw_axes(&mut svg, &x, &y, (layout, right));
         for (i, series) in self.series.iter().enumerate() {
             series.draw(&mut svg, i % COLORS.len(), &x, &y);
         }
-        self.draw_legend(&mut svg, right + 14.0);
+        let legend = match layout.legend {
+            Legend::Beside => [right + 14.0, TOP + 12.0],
+            Legend::Below => [layout.left, layout.height + 4.0],
+        };
+        self.draw_legend(&mut svg, legend);
         svg.push_str("</svg>\n");
         svg
     }
 
-    fn draw_axes(&self, svg: &mut String, x: &Axis, y: &Axis, right: f64) {
+    fn draw_axes(&self, svg: &mut String, x: &Axis, y: &Axis, (layout, right): (Layout, f64)) {
+        let (left, bottom) = (layout.left, layout.bottom());
         for (at, label) in x.ticks() {
-            put(svg, format_args!("<path class=\"grid\" d=\"M{at:.1} {TOP}V{BOTTOM}\"/>"));
+            put(svg, format_args!("<path class=\"grid\" d=\"M{at:.1} {TOP}V{bottom}\"/>"));
             put(
                 svg,
-                format_args!("<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{label}</text>\n", BOTTOM + 19.0),
+                format_args!("<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{label}</text>\n", bottom + 19.0),
             );
         }
         for (at, label) in y.ticks() {
-            put(svg, format_args!("<path class=\"grid\" d=\"M{LEFT} {at:.1}H{right:.1}\"/>"));
+            put(svg, format_args!("<path class=\"grid\" d=\"M{left} {at:.1}H{right:.1}\"/>"));
             put(
                 svg,
-                format_args!("<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>\n", LEFT - 8.0, at + 4.5),
+                format_args!("<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{label}</text>\n", left - 8.0, at + 4.5),
             );
         }
-        put(svg, format_args!("<path class=\"frame\" d=\"M{LEFT} {TOP}V{BOTTOM}H{right:.1}\"/>\n"));
+        put(svg, format_args!("<path class=\"frame\" d=\"M{left} {TOP}V{bottom}H{right:.1}\"/>\n"));
         let [(x_label, _), (y_label, _)] = &self.axes;
-        let (middle, low, half) = (0.5 * (LEFT + right), HEIGHT - 14.0, 0.5 * (TOP + BOTTOM));
+        let (middle, low, half) = (0.5 * (left + right), layout.height - 14.0, 0.5 * (TOP + bottom));
         put(
             svg,
             format_args!("<text x=\"{middle:.1}\" y=\"{low}\" text-anchor=\"middle\">{}</text>\n", escaped(x_label)),
@@ -161,10 +213,10 @@ impl Plot {
         );
     }
 
-    fn draw_legend(&self, svg: &mut String, left: f64) {
+    fn draw_legend(&self, svg: &mut String, [left, top]: [f64; 2]) {
         let named = self.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty());
         for (row, (i, series)) in named.enumerate() {
-            let (y, end, color) = (TOP + 12.0 + 20.0 * row as f64, left + 20.0, i % COLORS.len());
+            let (y, end, color) = (top + ROW * row as f64, left + 20.0, i % COLORS.len());
             put(
                 svg,
                 format_args!(

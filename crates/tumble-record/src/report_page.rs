@@ -12,6 +12,7 @@ pub(crate) mod tables;
 use std::io::{self, Write};
 use std::time::Duration;
 
+use crate::kept::Kept;
 use crate::plot::Plot;
 use crate::summary::Summary;
 use crate::svg::escaped;
@@ -20,7 +21,14 @@ pub(crate) use crate::report_page::replay::Replay;
 
 const PAGE: &str = include_str!("report_page/page.html");
 const STYLE: &str = include_str!("report_page/page.css");
-const SCRIPT: &str = include_str!("report_page/replay.js");
+/// In the order in which they build on each other.
+const SCRIPTS: [&str; 5] = [
+    include_str!("report_page/script/states.js"),
+    include_str!("report_page/script/view.js"),
+    include_str!("report_page/script/drawing.js"),
+    include_str!("report_page/script/time.js"),
+    include_str!("report_page/script/controls.js"),
+];
 
 /// Notices that are listed; of more there is only the number.
 const MAX_NOTICES: usize = 100;
@@ -32,7 +40,7 @@ const LONGEST_TEXT: usize = 600;
 ///
 /// ```
 /// use std::time::Duration;
-/// use tumble_record::{Conserved, Frame, Plot, Replay, ReportPage, Summary};
+/// use tumble_record::{Conserved, Frame, Kept, Plot, Replay, ReportPage, Summary};
 /// use tumble_scene::Scene;
 ///
 /// let scene = Scene::open("mujoco-box")?;
@@ -51,6 +59,7 @@ const LONGEST_TEXT: usize = 600;
 /// # };
 /// let page = ReportPage {
 ///     summary: &summary,
+///     kept: Kept { energy: true, momentum: true },
 ///     steps_asked: 0,
 ///     phases: &[("integrate", Duration::ZERO)],
 ///     plots: &[Plot::new("Energy")],
@@ -65,6 +74,8 @@ const LONGEST_TEXT: usize = 600;
 pub struct ReportPage<'a> {
     /// The figures.
     pub summary: &'a Summary,
+    /// Of which of them a drift is an error, and is stated.
+    pub kept: Kept,
     /// Steps that were asked for; more than were done if the run was interrupted.
     pub steps_asked: u64,
     /// Where the time of the steps went, over all threads.
@@ -96,13 +107,13 @@ impl ReportPage<'_> {
     fn write_slot(&self, slot: &str, to: &mut impl Write) -> io::Result<()> {
         let text = match slot {
             "style" => STYLE.to_owned(),
-            "script" => SCRIPT.to_owned(),
+            "script" => SCRIPTS.join("\n"),
             "title" => escaped(&shortened(self.replay.title())),
             "about" => self.about(),
             "comment" => self.comment(),
             "thinned" => self.thinned(),
             "summary" => tables::summary(self.summary, self.steps_asked),
-            "conserved" => tables::conserved(self.summary),
+            "conserved" => tables::conserved(self.summary, self.kept),
             "plots" => self.plots.iter().map(inline_plot).collect(),
             "timing" => tables::timing(self.summary, self.phases),
             "notices" => self.notices(),
@@ -152,10 +163,12 @@ impl ReportPage<'_> {
     }
 }
 
-/// A plot as a part of the page, in which SVG needs no name of its own.
+/// A plot as a part of the page, in which SVG needs no name of its own; once for wide screens and
+/// once for narrow ones.
 fn inline_plot(plot: &Plot) -> String {
-    let svg = plot.to_svg().replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1);
-    format!("<div class=\"plot\">{svg}</div>\n")
+    let inline = |svg: String| svg.replacen(" xmlns=\"http://www.w3.org/2000/svg\"", "", 1);
+    let [wide, narrow] = [plot.to_svg(), plot.to_narrow_svg()].map(inline);
+    format!("<div class=\"plot wide\">{wide}</div>\n<div class=\"plot narrow\">{narrow}</div>\n")
 }
 
 /// Text of a scene, which may be of any length.

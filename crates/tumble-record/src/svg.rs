@@ -3,11 +3,17 @@
 use std::fmt::Write as _;
 
 /// The beginning of a picture of this width and height: a title, which may be any text and stands
-/// at this place, the style, and the ground.
-pub(crate) fn opening([width, height]: [f64; 2], title: &str, [x, y]: [f64; 2], style: &str) -> String {
+/// at this place, the style, what scripts read of its x axis, and the ground.
+pub(crate) fn opening(
+    [width, height]: [f64; 2],
+    title: &str,
+    [x, y]: [f64; 2],
+    (style, x_axis): (&str, Option<&str>),
+) -> String {
     let title = escaped(title);
+    let data = x_axis.map_or(String::new(), |axis| format!(" data-x=\"{axis}\""));
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" role=\"img\">\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\"{data} width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" role=\"img\">\n\
          <title>{title}</title>\n<style>{style}</style>\n\
          <rect class=\"ground\" width=\"{width}\" height=\"{height}\" rx=\"6\"/>\n\
          <text class=\"title\" x=\"{x}\" y=\"{y}\">{title}</text>\n"

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{BodyOrder, Collider, Pose, PreviousPose, QueryFilter, Simulation, Snapshot, Totals, Velocity};
-use tumble_record::MomentumScale;
+use tumble_record::{Kept, MomentumScale};
 use tumble_scene::Scene;
 
 use crate::bodies::{Bodies, Placed};
@@ -31,6 +31,7 @@ pub(crate) struct Playback {
     /// Energy and momentum at the start.
     pub(crate) start: Totals,
     pub(crate) scale: MomentumScale,
+    pub(crate) kept: Kept,
     /// How far the picture is from the step before to the last one.
     alpha: Real,
     steps: u64,
@@ -48,9 +49,10 @@ impl Playback {
         let bodies = Bodies::of(&world, &order, &names, &appearance);
         let start = Totals::of(&world, simulation.settings(), &order);
         let scale = MomentumScale::of(&world, &order);
+        let kept = Kept::of(&world, simulation.settings());
         let beginning = simulation.snapshot(&world).map_err(|error| Failure::Input(error.to_string()))?;
         let trails = Trails::new(moving(&bodies), steps);
-        Ok(Self { world, simulation, order, bodies, trails, start, scale, alpha: 1.0, steps, beginning })
+        Ok(Self { world, simulation, order, bodies, trails, start, scale, kept, alpha: 1.0, steps, beginning })
     }
 
     pub(crate) fn dt(&self) -> f64 {

@@ -2,7 +2,7 @@
 
 use tumble::glam::DVec3;
 use tumble::{Inertia, Mass, Momentum, Pose, Totals, Velocity};
-use tumble_record::MomentumScale;
+use tumble_record::{Kept, MomentumScale};
 
 use crate::bodies::DrawnBody;
 use crate::convert::dvec3;
@@ -44,22 +44,29 @@ pub(crate) fn time(seconds: f64) -> String {
     }
 }
 
-/// Energy and momentum now, and how far they are from the start, by the scales of a run's summary.
+/// Energy and momentum now, and how far they are from the start, by the scales of a run's summary:
+/// a drift of what nothing changes, which is an error, or a change.
 /// A body whose state is not finite is in none of the sums; here is its name.
-pub(crate) fn ledger(start: &Totals, scale: MomentumScale, now: &Totals, lost: Option<&str>) -> Vec<Row> {
+pub(crate) fn ledger(
+    start: &Totals,
+    (scale, kept): (MomentumScale, Kept),
+    now: &Totals,
+    lost: Option<&str>,
+) -> Vec<Row> {
     let row = |name: &str, figure: String| (name.to_owned(), figure);
     // A body dropped from rest at the origin has no energy at all.
     let exchanged = (now.all_potential() - start.all_potential()).abs();
     let energy_scale = start.energy().abs().max(start.kinetic()).max(exchanged);
+    let name = |is_kept: bool| if is_kept { "  drift" } else { "  change" };
     let mut rows = vec![
         row("kinetic", format!("{} J", figure(now.kinetic()))),
         row("potential", format!("{} J", figure(now.all_potential()))),
         row("energy", format!("{} J", figure(now.energy()))),
-        row("  drift", drift(now.energy() - start.energy(), energy_scale)),
+        row(name(kept.energy), drift(now.energy() - start.energy(), energy_scale)),
         row("momentum", format!("{} kg m/s", figure(now.linear_momentum.length()))),
-        row("  change", drift((now.linear_momentum - start.linear_momentum).length(), scale.linear)),
+        row(name(kept.momentum), drift((now.linear_momentum - start.linear_momentum).length(), scale.linear)),
         row("ang. mom.", format!("{} kg m²/s", figure(now.angular_momentum.length()))),
-        row("  change", drift((now.angular_momentum - start.angular_momentum).length(), scale.angular)),
+        row(name(kept.momentum), drift((now.angular_momentum - start.angular_momentum).length(), scale.angular)),
     ];
     if let Some(name) = lost {
         rows.push((format!("not finite: {name}"), String::new()));
@@ -114,6 +121,8 @@ mod tests {
 
     use super::*;
 
+    const KEEPS_ENERGY: Kept = Kept { energy: true, momentum: false };
+
     #[test]
     fn figures_have_four_digits() {
         let cases = [
@@ -139,9 +148,10 @@ mod tests {
     fn the_books_say_what_has_changed() {
         let start = Totals { linear_kinetic: 2.0, linear_momentum: DVec3::X, ..Totals::default() };
         let now = Totals { linear_kinetic: 2.5, linear_momentum: DVec3::X * 1.5, ..Totals::default() };
-        let rows = ledger(&start, MomentumScale { linear: 1.0, angular: 0.0 }, &now, None);
+        let rows = ledger(&start, (MomentumScale { linear: 1.0, angular: 0.0 }, KEEPS_ENERGY), &now, None);
         assert_eq!(rows.len(), 8);
         assert_eq!(rows[2].1, " 2.500 J");
+        assert_eq!((rows[3].0.as_str(), rows[5].0.as_str()), ("  drift", "  change"));
         assert_eq!((rows[3].1.as_str(), rows[5].1.as_str(), rows[7].1.as_str()), ("+2.5e-1", "+5.0e-1", " 0"));
     }
 
@@ -156,14 +166,14 @@ mod tests {
         assert!(start.linear_momentum.length() < 1e-5 * scale.linear, "{start:?} {scale:?}");
         let pair = MomentumScale { linear: 2.0, angular: 4.0 };
         let now = Totals { linear_momentum: DVec3::X * 1e-6, angular_momentum: DVec3::Y * 1e-6, ..Totals::default() };
-        let rows = ledger(&Totals::default(), pair, &now, None);
+        let rows = ledger(&Totals::default(), (pair, KEEPS_ENERGY), &now, None);
         assert_eq!((rows[5].1.as_str(), rows[7].1.as_str()), ("+5.0e-7", "+2.5e-7"));
     }
 
     #[test]
     fn a_lost_body_is_named() {
         let now = Totals::default();
-        let rows = ledger(&now, MomentumScale::default(), &now, Some("mars"));
+        let rows = ledger(&now, (MomentumScale::default(), KEEPS_ENERGY), &now, Some("mars"));
         assert_eq!(rows.last().unwrap().0, "not finite: mars");
     }
 

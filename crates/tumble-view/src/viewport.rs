@@ -357,7 +357,7 @@ impl Viewport {
     fn ledger(&self, now: &Totals) -> Vec<Row> {
         let lost = self.playback.bodies.all.iter().find(|body| now.non_finite == Some(body.entity));
         let lost = lost.map(|body| body.name.as_str());
-        readout::ledger(&self.playback.start, self.playback.scale, now, lost)
+        readout::ledger(&self.playback.start, (self.playback.scale, self.playback.kept), now, lost)
     }
 }
 

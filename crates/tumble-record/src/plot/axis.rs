@@ -47,6 +47,11 @@ impl Axis {
         Self { scale, low: (low - pad).max(f64::MIN), high: (high + pad).min(f64::MAX), begin, end }
     }
 
+    /// The values at its two ends, in its scale.
+    pub(crate) fn range(&self) -> [f64; 2] {
+        [self.low, self.high]
+    }
+
     /// Where on the picture a value is; not finite where it has no place.
     pub(crate) fn place(&self, value: f64) -> f64 {
         self.place_scaled(in_scale(self.scale, value))

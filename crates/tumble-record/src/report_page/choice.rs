@@ -25,10 +25,16 @@ pub(crate) fn choose(count: usize, most: usize, is_scenery: impl Fn(usize) -> bo
         // Below `others.len()`, as part < room and within < 2^32.
         (((part as u128) << 32 | u128::from(within)) * others.len() as u128 / ((room as u128) << 32)) as usize
     };
-    let mut chosen: Vec<usize> = (0..room).filter_map(|part| others.get(place(part)).copied()).collect();
+    // Where most are chosen, two parts may come to the same place.
+    let mut next = 0;
+    let places = (0..room).map(|part| {
+        let at = place(part).clamp(next, others.len() - (room - part));
+        next = at + 1;
+        at
+    });
+    let mut chosen: Vec<usize> = places.filter_map(|at| others.get(at).copied()).collect();
     chosen.extend(scenery);
     chosen.sort_unstable();
-    chosen.dedup();
     chosen
 }
 
@@ -51,6 +57,14 @@ mod tests {
             let of_kind = chosen.iter().filter(|&&index| index % 10 == kind).count();
             // A hundred each, but for what does not come out even.
             assert!((90..=110).contains(&of_kind), "{of_kind} of kind {kind}");
+        }
+    }
+
+    #[test]
+    fn all_but_a_few_are_different_ones() {
+        for count in [1001, 1100, 1500, 1999, 2001] {
+            let chosen = choose(count, 1000, |index| index == 7);
+            assert!(chosen.len() == 1000 && chosen.is_sorted_by(|a, b| a < b) && chosen[999] < count, "{count}");
         }
     }
 

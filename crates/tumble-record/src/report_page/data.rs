@@ -7,6 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 
 use crate::colors::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR};
+use crate::report_page::frames::MAX_EXACT;
 use crate::report_page::joints::DrawnJoint;
 use crate::report_page::replay::{Replay, Shown};
 use crate::report_page::surfaces::{arrays, is_wide};
@@ -27,6 +28,9 @@ struct Data<'a> {
     bodies: Vec<BodyData>,
     /// \[s\]
     times: Vec<f64>,
+    /// Of each body the lowest position and how far it gets from there \[m\], where positions are
+    /// parts of that in 16 bits; empty where they are in metres.
+    ways: String,
     positions: String,
     rotations: String,
     joints: &'a [DrawnJoint],
@@ -96,9 +100,28 @@ impl<'a> Data<'a> {
         }
         self.joints = &joints.shown;
         self.times.clone_from(&frames.times);
-        self.positions = encoded(frames.positions.iter().flat_map(|number| number.to_le_bytes()));
+        let count = bodies.all().len();
+        if count > MAX_EXACT {
+            let ways: Vec<[[f32; 3]; 2]> = (0..count).map(|body| frames.way(body)).collect();
+            let places = frames.positions.chunks_exact(3).zip(ways.iter().cycle());
+            self.positions =
+                encoded(places.flat_map(|(place, way)| part_of_way(place, way)).flat_map(u16::to_le_bytes));
+            self.ways = encoded(ways.into_iter().flatten().flatten().flat_map(f32::to_le_bytes));
+        } else {
+            self.positions = encoded(frames.positions.iter().flat_map(|number| number.to_le_bytes()));
+        }
         self.rotations = encoded(frames.rotations.iter().flat_map(|number| number.to_le_bytes()));
     }
+}
+
+/// A place as a part of a way, in 16 bits.
+fn part_of_way(place: &[f32], [low, size]: &[[f32; 3]; 2]) -> [u16; 3] {
+    let mut parts = [0; 3];
+    for (part, ((place, low), size)) in parts.iter_mut().zip(place.iter().zip(low).zip(size)) {
+        let whole = f64::from(u16::MAX);
+        *part = if *size > 0.0 { (f64::from(place - low) / f64::from(*size) * whole).round() as u16 } else { 0 };
+    }
+    parts
 }
 
 fn encoded(bytes: impl Iterator<Item = u8>) -> String {

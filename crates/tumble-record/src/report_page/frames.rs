@@ -8,8 +8,14 @@ use crate::trajectory::glb::sample::Sample;
 
 /// No more frames than anyone sees, even of few bodies.
 pub(crate) const MAX_FRAMES: usize = 1200;
-/// Position in f32 and orientation in 16-bit integers \[bytes\].
-pub(crate) const SAMPLE_BYTES: usize = size_of::<[f32; 3]>() + size_of::<[i16; 4]>();
+/// Of more bodies than this, positions are written in 16 bits over the way of each.
+pub(crate) const MAX_EXACT: usize = 1000;
+
+/// What a pose takes on the page, with its orientation in 16-bit integers \[bytes\].
+pub(crate) fn sample_bytes(bodies: usize) -> usize {
+    let position = if bodies > MAX_EXACT { size_of::<[u16; 3]>() } else { size_of::<[f32; 3]>() };
+    position + size_of::<[i16; 4]>()
+}
 
 /// Poses at every k-th step. When there are too many, every other one is dropped, and k is twice
 /// what it was.
@@ -30,7 +36,7 @@ pub(crate) struct Frames {
 impl Frames {
     /// For a number of bodies, whose frames may take a number of bytes.
     pub(crate) fn new(bodies: usize, bytes: usize) -> Self {
-        let most = (bytes / (SAMPLE_BYTES * bodies.max(1))).clamp(2, MAX_FRAMES);
+        let most = (bytes / (sample_bytes(bodies) * bodies.max(1))).clamp(2, MAX_FRAMES);
         let (steps, times, positions, rotations) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         Self { most, every: 1, bodies, steps, times, positions, rotations }
     }
@@ -62,6 +68,24 @@ impl Frames {
             self.truncate(self.most - 1);
         }
         self.push(frame, bodies);
+    }
+
+    /// The lowest position of a body in any frame and how far it gets from there, in each
+    /// direction \[m\].
+    pub(crate) fn way(&self, body: usize) -> [[f32; 3]; 2] {
+        let places = self.positions.chunks_exact(3).skip(body).step_by(self.bodies.max(1));
+        let nothing = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        let (low, high) = places.fold(nothing, |(mut low, mut high), place| {
+            for ((low, high), part) in low.iter_mut().zip(&mut high).zip(place) {
+                (*low, *high) = (low.min(*part), high.max(*part));
+            }
+            (low, high)
+        });
+        let mut size = high;
+        for (size, low) in size.iter_mut().zip(low) {
+            *size = (*size - low).min(f32::MAX);
+        }
+        [low, size]
     }
 
     fn push(&mut self, frame: &Frame<'_>, bodies: &mut Bodies) {

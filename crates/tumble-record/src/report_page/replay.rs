@@ -12,24 +12,24 @@ use crate::trajectory::frame::Frame;
 use crate::trajectory::glb::bodies::Bodies;
 use crate::trajectory::glb::sample::double;
 
-/// More bodies than this are more than anyone can tell apart.
-const MAX_BODIES: usize = 1000;
+/// Of more bodies there would be too few frames.
+const MAX_BODIES: usize = 10_000;
 /// Meshes and frames together, before a third is added to write them as text \[bytes\].
-const BYTES: u64 = 6 << 20;
+const BYTES: u64 = 9 << 20;
 /// Of these, what meshes may have \[bytes\].
-const MESH_BYTES: u64 = BYTES / 3 * 2;
+const MESH_BYTES: u64 = 4 << 20;
 
 /// The motion of a scene's bodies, thinned out to what a page can show, in memory that does not
 /// grow with the run.
 ///
-/// Of more than a thousand bodies a thousand are kept. Frames are kept at every k-th step, with k
+/// Of more than ten thousand bodies ten thousand are kept. Frames are kept at every k-th step, with k
 /// doubled whenever they are too many. [`left_out`](Self::left_out) says what is missing.
 ///
 /// ```
 /// use tumble_record::{Frame, Replay};
 /// use tumble_scene::Scene;
 ///
-/// let scene = Scene::stress(3000, 0)?;
+/// let scene = Scene::stress(12_000, 0)?;
 /// let mut simulation = tumble::Simulation::new(scene.settings)?;
 /// let mut replay = Replay::of(&scene)?;
 /// let mut world = hecs::World::new();
@@ -44,7 +44,7 @@ const MESH_BYTES: u64 = BYTES / 3 * 2;
 ///     order: &order,
 ///     names: &names,
 /// });
-/// assert!(replay.left_out()[0].starts_with("1000 of the 3000 bodies are shown"));
+/// assert!(replay.left_out()[0].starts_with("10\u{202f}000 of the 12\u{202f}000 bodies are shown"));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]

@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use crate::kept::Kept;
 use crate::report_page::figures::{count, figure, rounded};
 use crate::summary::{Conserved, Summary};
 use crate::svg::escaped;
@@ -43,24 +44,40 @@ fn list(rows: &[(&str, String)]) -> String {
     format!("<table>\n{rows}</table>\n")
 }
 
-/// Energy and momenta at both ends of the run.
-pub(crate) fn conserved(summary: &Summary) -> String {
-    let mut rows =
-        row("energy [J]", summary.energy.initial, summary.energy.r#final, Some(summary.energy.max_relative_drift));
-    rows += &vector("momentum [kg m/s]", &summary.linear_momentum);
-    rows += &vector("angular momentum [kg m²/s]", &summary.angular_momentum);
+const DRIFT: &str = "The drift is the largest departure from the start, relative to the scale of the quantity, as in the plot. \
+                     Nothing changes what has one, so it is an error.";
+
+/// Energy and momenta at both ends of the run, with the drifts of those that nothing changes.
+pub(crate) fn conserved(summary: &Summary, kept: Kept) -> String {
+    let energy = &summary.energy;
+    let mut rows = row("energy [J]", energy.initial, energy.r#final, kept.energy.then_some(energy.max_relative_drift));
+    rows += &vector("momentum [kg m/s]", &summary.linear_momentum, kept.momentum);
+    rows += &vector("angular momentum [kg m²/s]", &summary.angular_momentum, kept.momentum);
+    let (heading, said) = match (kept.energy, kept.momentum) {
+        (true, true) => ("largest drift", DRIFT.to_owned()),
+        (true, false) => {
+            ("largest drift", format!("{DRIFT} Momentum has none: something pushes or holds bodies from outside."))
+        }
+        (false, true) => {
+            ("largest drift", format!("{DRIFT} Energy has none: something gives or takes it, as contacts do."))
+        }
+        (false, false) => (
+            "",
+            "Nothing here is kept: contacts or forces change the energy, and something outside the momentum."
+                .to_owned(),
+        ),
+    };
     format!(
-        "<table>\n<thead><tr><th></th><th>start</th><th>end</th><th>largest drift</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n\
-         <p class=\"small\">The drift is the largest departure from the start, relative to the scale of the quantity. Forces that \
-         have no potential, and contacts, change the energy; gravity and ground the momentum: that is no error.</p>\n"
+        "<table>\n<thead><tr><th></th><th>start</th><th>end</th><th>{heading}</th></tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n\
+         <p class=\"small\">{said}</p>\n"
     )
 }
 
 /// The drift is that of the vector, so it stands in the first row only.
-fn vector(label: &str, vector: &Conserved<[f64; 3]>) -> String {
+fn vector(label: &str, vector: &Conserved<[f64; 3]>, is_kept: bool) -> String {
     let ends = ["x", "y", "z"].iter().zip(vector.initial.into_iter().zip(vector.r#final));
     ends.map(|(axis, (start, end))| {
-        let drift = (*axis == "x").then_some(vector.max_relative_drift);
+        let drift = (is_kept && *axis == "x").then_some(vector.max_relative_drift);
         row(&format!("{label} {axis}"), start, end, drift)
     })
     .collect()

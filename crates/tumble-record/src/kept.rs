@@ -8,15 +8,29 @@ use tumble::{
 };
 
 /// What nothing in a world changes.
+///
+/// ```
+/// use tumble::prelude::*;
+/// use tumble_record::Kept;
+///
+/// let mut world = hecs::World::new();
+/// RigidBody::new(Shape::sphere(0.5)).build()?.spawn(&mut world);
+/// let under_gravity = Kept::of(&world, &Settings::default());
+/// assert_eq!(under_gravity, Kept { energy: true, momentum: false });
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Kept {
-    pub(crate) energy: bool,
-    pub(crate) momentum: bool,
+pub struct Kept {
+    /// Kinetic energy and potentials together.
+    pub energy: bool,
+    /// Linear momentum, and angular momentum about the world's origin.
+    pub momentum: bool,
 }
 
 impl Kept {
     /// By what there is in a world. Where bodies can touch, energy is not kept.
-    pub(crate) fn of(world: &World, settings: &Settings) -> Self {
+    #[must_use]
+    pub fn of(world: &World, settings: &Settings) -> Self {
         Self { energy: !takes_energy(world), momentum: !is_pushed(world, settings) }
     }
 }
