@@ -116,7 +116,9 @@ pub use body::body_error::BodyError;
 pub use body::bundle::Body;
 pub use body::change_mass::{ChangeMassError, change_mass_properties};
 pub use body::rigid_body::RigidBody;
+pub use body::set_velocity::{VelocityError, set_angular_velocity, set_linear_velocity, set_velocity};
 pub use body::spawn_bodies::spawn_bodies;
+pub use body::spawn_ground::spawn_ground;
 pub use body::weld::{WeldError, weld};
 pub use clock::Clock;
 pub use collision::collider::Collider;
@@ -193,9 +195,11 @@ pub use tumble_math::{
 pub mod prelude {
     pub use crate::math::{Mat3, Quat, Real, Vec3};
     pub use crate::{
-        AngularVelocityServo, BodyId, BodyState, Buoyancy, CenterOfMass, Collider, ConstantWrench, Damping, Drag,
-        ForceLaw, Frame, GravityMass, GravityScale, Hull, Inertia, Integrator, Joint, JointLoad, Ledger, Magnus, Mass,
-        Material, Momentum, PointGravity, Pose, PreviousPose, PrincipalAxes, RigidBody, Settings, Shape, Simulation,
-        Spring, SpringToPoint, Thruster, Velocity, Wind, Wrench,
+        AngularVelocityServo, Axes, Body, BodyId, BodyState, Breakable, Buoyancy, CenterOfMass, Collider,
+        ConstantWrench, ContactEvent, Damping, DebugView, Drag, Drive, Drives, ForceLaw, Frame, Gear, GravityMass,
+        GravityScale, Hull, Inertia, Integrator, Joint, JointEvent, JointFriction, JointLoad, Ledger, Limit, Limits,
+        LockedAxes, Magnus, Mass, Material, Momentum, PointGravity, Pose, PreviousPose, PrincipalAxes, QueryFilter,
+        Ray, RigidBody, SensorEvent, Settings, Shape, Simulation, Snapshot, Spring, SpringToPoint, Thruster, Velocity,
+        Wind, Wrench, set_angular_velocity, set_linear_velocity, set_velocity, spawn_bodies, spawn_ground,
     };
 }

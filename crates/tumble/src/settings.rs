@@ -11,6 +11,7 @@ use crate::range::{MAX_GRAVITY, MAX_SPEED, SECONDS, within};
 /// let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(1.0 / 240.0);
 /// assert_eq!(settings.integrator, Integrator::MoserVeselov);
 /// ```
+#[doc(alias("gravity", "timestep", "IntegrationParameters"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Settings {
@@ -59,6 +60,7 @@ impl Settings {
     }
 
     /// The same with another step \[s\].
+    #[doc(alias = "timestep")]
     #[must_use]
     pub fn with_dt(self, dt: Real) -> Self {
         Self { dt, ..self }
@@ -77,6 +79,7 @@ impl Settings {
     }
 
     /// The same with another number of substeps where bodies touch.
+    #[doc(alias("solver iterations", "SubstepCount"))]
     #[must_use]
     pub fn with_contact_substeps(self, contact_substeps: u32) -> Self {
         Self { contact_substeps, ..self }

@@ -139,7 +139,7 @@ fn spawn_craft(world: &mut World, level: usize, seed: u64) -> Result<(), BodyErr
 /// Ballast puts the centre of mass where the drawing has its origin; `interpolated` is for frames
 /// between steps.
 fn spawn_body(world: &mut World, body: RigidBody, ours: impl hecs::DynamicBundle) -> Result<(), BodyError> {
-    body.center_of_mass([0.0; 3]).interpolated().build()?.spawn_with(world, ours);
+    body.without_collider().center_of_mass([0.0; 3]).interpolated().build()?.spawn_with(world, ours);
     Ok(())
 }
 

@@ -50,6 +50,7 @@ use crate::step::pack_key::PackKey;
 /// assert!(heights.iter().all(|height| (height + 0.5 * 9.81).abs() < 1e-3));
 /// # Ok::<(), Box<dyn std::error::Error + Send + Sync>>(())
 /// ```
+#[doc(alias("parallel worlds", "vectorized environments"))]
 #[derive(Default)]
 pub struct Batch {
     trials: Vec<Trial>,

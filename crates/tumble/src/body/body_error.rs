@@ -3,6 +3,7 @@
 use glam::DVec3;
 use tumble_math::{InertiaError, MassError, ShapeError};
 
+use crate::collision::collider_error::ColliderError;
 use crate::components::InertiaComponentError;
 use crate::components::property_error::PropertyError;
 use crate::math::real;
@@ -73,6 +74,9 @@ pub enum BodyError {
     /// A point mass, having no inertia, cannot have an angular velocity.
     #[error("angular_velocity of a point mass must be zero: it has no inertia")]
     SpinningPoint,
+    /// Its shape or its material cannot be those of a collider.
+    #[error(transparent)]
+    Collider(#[from] ColliderError),
 }
 
 impl BodyError {
@@ -92,6 +96,11 @@ impl BodyError {
             Self::NotUnit(_) => "orientation".to_owned(),
             Self::MovingFixed => "linear_velocity".to_owned(),
             Self::SpinningPoint => "angular_velocity".to_owned(),
+            Self::Collider(ColliderError::Material { field, .. }) => format!("material.{field}"),
+            Self::Collider(ColliderError::Length { field, .. } | ColliderError::Size { field, .. }) => {
+                format!("shape.{field}")
+            }
+            Self::Collider(_) => "collider".to_owned(),
         }
     }
 }

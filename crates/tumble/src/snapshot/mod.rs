@@ -63,6 +63,7 @@ use crate::snapshot::state_hash::{Fnv, canonical};
 /// assert_eq!(state_hash(&world, &BodyOrder::of(&world)), there.state_hash());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("save", "serialize", "load"))]
 #[derive(Clone, Debug, Default)]
 pub struct Snapshot {
     /// One identity a row: moving bodies, then kinematic ones, then fixed ones. No two are the

@@ -47,6 +47,7 @@ use crate::step::systems::update_derived;
 /// assert!((play(2, &thrusts)? - 1.0).abs() < 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("netcode", "rewind"))]
 #[derive(Clone, Debug)]
 pub struct Rollback {
     most: usize,

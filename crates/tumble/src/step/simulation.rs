@@ -39,6 +39,7 @@ use crate::step::steps_under_laws;
 /// assert!((pose.position.y + 0.5 * 9.81).abs() < 1e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("PhysicsWorld", "PhysicsPipeline", "ccd", "bullet", "continuous collision detection", "sleeping"))]
 #[derive(Clone, Debug)]
 pub struct Simulation {
     settings: Settings,
@@ -165,6 +166,7 @@ impl Simulation {
     /// assert!((hit.distance - (0.5 * 9.81 - 0.5)).abs() < 1e-3); // it has fallen for a second
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    #[doc(alias("raycast", "shapecast"))]
     pub fn queries<'a>(&self, world: &'a World) -> Queries<'a> {
         self.queries.of(world)
     }
@@ -221,6 +223,7 @@ impl Simulation {
     }
 
     /// Advances the world by one step of `settings.dt`; see [`step`](crate::step()).
+    #[doc(alias("update", "tick"))]
     pub fn step(&mut self, world: &mut World) {
         self.step_many(world, 1);
     }
@@ -321,6 +324,7 @@ impl Simulation {
     /// assert!((alpha - 0.5).abs() < 1e-4);
     /// # Ok::<(), tumble::SettingsError>(())
     /// ```
+    #[doc(alias("fixed timestep", "accumulator"))]
     pub fn advance(&mut self, world: &mut World, frame_seconds: f64) -> Real {
         self.advance_with(world, frame_seconds, |_, _| ())
     }
