@@ -106,7 +106,7 @@ const RULES: [Rule; 13] = [
     Rule {
         member: "crates/tumble",
         members: &["tumble-collide", "tumble-math"],
-        outside: Some(&["glam", "hecs", "libm", "profiling", "rayon", "serde", "thiserror"]),
+        outside: Some(&["glam", "hecs", "libm", "profiling", "rayon", "serde", "thiserror", "tracing"]),
     },
     Rule { member: "crates/tumble-import", members: &["tumble", "tumble-math"], outside: None },
     Rule { member: "crates/tumble-scene", members: &["tumble", "tumble-import", "tumble-math"], outside: None },

@@ -150,7 +150,7 @@ impl Settings {
 /// let error = Simulation::new(Settings::default().with_dt(0.0)).unwrap_err();
 /// assert_eq!(error, SettingsError::Step(0.0));
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SettingsError {
     /// The step, or one of the equal parts that it is divided into, is not from 1e-9 to 1e9
@@ -170,6 +170,8 @@ pub enum SettingsError {
     #[error("the restitution threshold must be from 0 to 1e9 m/s, got {0}")]
     RestitutionThreshold(Real),
 }
+
+tumble_math::debug_as_display!(SettingsError);
 
 impl SettingsError {
     /// The field of [`Settings`] that is at fault; of a step that is divided into parts too short,

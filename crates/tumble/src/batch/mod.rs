@@ -4,12 +4,14 @@ pub(crate) mod rng;
 pub(crate) mod run_worlds;
 pub(crate) mod trial;
 
+pub use crate::batch::rng::Rng;
+pub use crate::batch::run_worlds::for_each_world;
+pub use crate::batch::trial::Trial;
+
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use crate::batch::rng::Rng;
-use crate::batch::trial::Trial;
 use crate::solver::multi_world::MultiWorld;
 use crate::step::interacting::step_interacting;
 use crate::step::pack_key::PackKey;

@@ -16,7 +16,7 @@ use crate::math::real;
 /// assert_eq!(error, BodyError::MissingMass);
 /// assert_eq!(error.field(), "mass");
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BodyError {
     /// A body that is to move has neither a mass nor a density.
@@ -78,6 +78,8 @@ pub enum BodyError {
     #[error(transparent)]
     Collider(#[from] ColliderError),
 }
+
+tumble_math::debug_as_display!(BodyError);
 
 impl BodyError {
     /// The field at fault, by the name it has in scene files: `mass`, `shape.radius`, `inertia`,

@@ -21,7 +21,7 @@ use crate::range::MAX_SPEED;
 /// assert_eq!(error, VelocityError::Lacks { entity: ground, component: "Momentum" });
 /// assert_eq!(error.to_string(), "entity 0v1 has no Momentum: it is no body that moves");
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum VelocityError {
     /// There is no such entity in the world.
@@ -47,6 +47,8 @@ pub enum VelocityError {
         source: BodyError,
     },
 }
+
+tumble_math::debug_as_display!(VelocityError);
 
 /// Gives a body another velocity of its centre of mass [m/s], in the world frame. Its angular
 /// velocity stays.

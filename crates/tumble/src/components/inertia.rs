@@ -112,7 +112,7 @@ impl Inertia {
 /// let error = Inertia::new(Vec3::new(1.0, 2.0, 3.5)).unwrap_err();
 /// assert!(matches!(error, InertiaComponentError::Impossible(_)));
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InertiaComponentError {
     /// No rigid body has such moments.
@@ -122,6 +122,8 @@ pub enum InertiaComponentError {
     #[error(transparent)]
     Property(#[from] PropertyError),
 }
+
+tumble_math::debug_as_display!(InertiaComponentError);
 
 /// The rotation whose matrix has the principal axes, in body coordinates, as columns: it takes
 /// principal-frame coordinates to body-frame coordinates, `I_body = R diag(moments) R^T`. A body

@@ -61,6 +61,8 @@ pub struct Simulation {
     /// Frame time that no step has covered yet \[s\], in [0, dt).
     owed: f64,
     queries: QueryCache,
+    #[cfg(feature = "tracing")]
+    mistakes: crate::step::mistakes::Mistakes,
 }
 
 /// Callbacks before and after every step of
@@ -119,6 +121,8 @@ impl Simulation {
             since: (0, 0.0),
             owed: 0.0,
             queries: QueryCache::default(),
+            #[cfg(feature = "tracing")]
+            mistakes: crate::step::mistakes::Mistakes::default(),
         })
     }
 
@@ -248,10 +252,14 @@ impl Simulation {
         self.forget_events();
         self.has_stepped = count > 0;
         if count > 0 {
+            #[cfg(feature = "tracing")]
+            self.mistakes.warn(world);
             let mut interactions = self.interactions.take();
             steps_under_laws(world, &self.settings, &self.laws, &mut interactions, count, self.clock(), times);
             self.interactions = interactions;
             self.count_steps(count);
+            #[cfg(feature = "tracing")]
+            self.mistakes.remember(world);
         }
     }
 
