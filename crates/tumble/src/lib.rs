@@ -24,6 +24,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # Modules
+//!
+//! [`prelude`] has what most programs need. Everything is in the module of its subject: [`body`],
+//! [`components`], [`collision`], [`forces`], [`joints`], [`queries`], [`step`], [`energy`],
+//! [`snapshot`], [`batch`], [`debug_draw`], [`shapes`], [`math`] and [`rotation`].
+//!
 //! # Components
 //!
 //! They are written
@@ -195,22 +201,33 @@ pub use integrator::UnknownIntegrator;
 pub use simd::simd_name;
 pub use {glam, hecs};
 
-pub use tumble_collide::HeightFieldError;
-
-pub use tumble_math::{
-    Amount, HullError, InertiaError, InertiaTensor, MassProperties, MeshAudit, MeshDefect, MeshError, MeshRepair, Part,
-    PrincipalInertia, Shape, SolidMesh, TriangleMesh, convex_hull, equivalent_ellipsoid,
+#[doc(hidden)]
+pub use shapes::{
+    HeightFieldError, HullError, InertiaError, InertiaTensor, MeshAudit, MeshDefect, MeshError, MeshRepair,
+    PrincipalInertia, SolidMesh, TriangleMesh, convex_hull, equivalent_ellipsoid,
 };
+pub use tumble_math::{Amount, MassProperties, Part, Shape};
+
+/// Shapes, their mass properties, and meshes: what of `tumble-math` bodies are made of.
+pub mod shapes {
+    pub use tumble_collide::HeightFieldError;
+    pub use tumble_math::{
+        Amount, HullError, InertiaError, InertiaTensor, MassError, MassProperties, MeshAudit, MeshDefect, MeshError,
+        MeshRepair, Part, PrincipalInertia, Shape, ShapeError, SolidMesh, TriangleMesh, convex_hull,
+        equivalent_ellipsoid,
+    };
+}
 
 /// The types that most programs need: `use tumble::prelude::*;`.
 pub mod prelude {
     pub use crate::math::{Mat3, Quat, Real, Vec3};
     pub use crate::{
-        AngularVelocityServo, Axes, Body, BodyId, BodyState, Breakable, Buoyancy, CenterOfMass, Collider,
-        ConstantWrench, ContactEvent, Damping, DebugView, Drag, Drive, Drives, ForceLaw, Frame, Gear, GravityMass,
-        GravityScale, Hull, Inertia, Integrator, Joint, JointEvent, JointFriction, JointLoad, Ledger, Limit, Limits,
-        LockedAxes, Magnus, Mass, Material, Momentum, PointGravity, Pose, PreviousPose, PrincipalAxes, QueryFilter,
-        Ray, RigidBody, SensorEvent, Settings, Shape, Simulation, Snapshot, Spring, SpringToPoint, Thruster, Velocity,
-        Wind, Wrench, set_angular_velocity, set_linear_velocity, set_velocity, spawn_bodies, spawn_ground,
+        Amount, AngularVelocityServo, Axes, Body, BodyError, BodyId, BodyState, Breakable, Buoyancy, CenterOfMass,
+        Collider, ConstantWrench, ContactEvent, Damping, DebugView, Drag, Drive, Drives, ForceLaw, Frame, Gear,
+        GravityMass, GravityScale, Hull, Inertia, Integrator, Joint, JointEvent, JointFriction, JointLoad, Ledger,
+        Limit, Limits, LockedAxes, Magnus, Mass, Material, Momentum, Part, PointGravity, Pose, PreviousPose,
+        PrincipalAxes, Queries, QueryFilter, Ray, RayHit, RigidBody, SensorEvent, Settings, Shape, Simulation,
+        Snapshot, Spring, SpringToPoint, Thruster, Velocity, Wind, Wrench, set_angular_velocity, set_linear_velocity,
+        set_velocity, spawn_bodies, spawn_ground,
     };
 }

@@ -30,8 +30,10 @@ use std::error::Error;
 
 use hecs::{Entity, World};
 use macroquad::prelude as mq;
+use tumble::batch::Rng;
+use tumble::body::{WeldError, weld};
 use tumble::prelude::*;
-use tumble::{BodyError, Rng, Snapshot, WeldError, update_derived, weld};
+use tumble::step::update_derived;
 
 use approach::{Approach, Craft, Outcome};
 use models::{Look, Looks};

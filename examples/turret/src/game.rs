@@ -1,7 +1,7 @@
 //! The game without its window: drones fall towards a turret, which shoots at those that it sees.
 
 use hecs::{Entity, World};
-use tumble::Rng;
+use tumble::batch::Rng;
 use tumble::prelude::*;
 
 /// Speed of a bullet \[m/s\]: ten metres a step, through drones that are half a metre thick.
@@ -32,7 +32,7 @@ pub(crate) struct Game {
     next_shot: f64,
     next_drone: f64,
     /// The last look: the ray, and what it met.
-    pub(crate) look: Option<(Ray, tumble::RayHit)>,
+    pub(crate) look: Option<(Ray, RayHit)>,
     pub(crate) hits: u32,
     /// Drones that came through to the ring around the turret.
     pub(crate) landed: u32,

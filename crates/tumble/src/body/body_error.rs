@@ -15,6 +15,8 @@ use crate::math::real;
 /// let error = RigidBody::new(Shape::sphere(0.5)).build().unwrap_err();
 /// assert_eq!(error, BodyError::MissingMass);
 /// assert_eq!(error.field(), "mass");
+/// // What a main prints that returns it.
+/// assert_eq!(format!("{error:?}"), "a body that moves needs a mass or a density");
 /// ```
 #[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]

@@ -50,7 +50,7 @@ pub struct Joint {
 
 impl Joint {
     /// A joint that leaves these axes free, from centre of mass to centre of mass.
-    #[doc(alias("generic joint", "six degrees of freedom", "with_free"))]
+    #[doc(alias("generic joint", "six degrees of freedom"))]
     pub fn free_along(a: Entity, b: Entity, free: Axes) -> Self {
         Self { bodies: [a, b], frames: [Pose::default(); 2], free, contacts_enabled: false }
     }
