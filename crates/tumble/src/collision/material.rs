@@ -40,8 +40,8 @@ pub struct Material {
     /// let mut world = hecs::World::new();
     /// let belt = Material::default().with_surface_velocity(Vec3::X * 2.0);
     /// RigidBody::ground().material(belt).build()?.spawn(&mut world);
-    /// let parcel = RigidBody::new(Shape::cuboid([0.5, 0.2, 0.5])).mass(3.0).position(Vec3::Y * 0.2);
-    /// let parcel = parcel.build()?.spawn(&mut world);
+    /// let parcel = RigidBody::new(Shape::cuboid([0.5, 0.2, 0.5])).mass(3.0);
+    /// let parcel = parcel.position(Vec3::Y * 0.2).build()?.spawn(&mut world);
     ///
     /// let mut simulation = Simulation::new(Settings::default())?;
     /// simulation.step_many(&mut world, 120);
