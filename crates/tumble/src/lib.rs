@@ -27,7 +27,7 @@
 //! # Modules
 //!
 //! [`prelude`] has what most programs need. Everything is in the module of its subject: [`body`],
-//! [`components`], [`collision`], [`forces`], [`joints`], [`queries`], [`step`], [`energy`],
+//! [`components`], [`collision`], [`forces`], [`joints`], [`queries`], [`mod@step`], [`energy`],
 //! [`snapshot`], [`batch`], [`debug_draw`], [`shapes`], [`math`] and [`rotation`].
 //!
 //! # Components

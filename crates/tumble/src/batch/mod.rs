@@ -24,7 +24,7 @@ use crate::step::pack_key::PackKey;
 /// among them too.
 ///
 /// Results come back in the order of the worlds. A batch is held in memory as a whole;
-/// [`for_each_world`](crate::for_each_world) makes worlds one by one, as many as one likes.
+/// [`for_each_world`] makes worlds one by one, as many as one likes.
 ///
 /// ```
 /// use tumble::prelude::*;

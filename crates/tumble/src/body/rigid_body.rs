@@ -262,7 +262,8 @@ impl RigidBody {
     /// # use tumble::{Collider, prelude::*};
     /// # let mut world = hecs::World::new();
     /// let ghost = RigidBody::new(Shape::sphere(0.5)).mass(1.0).without_collider().build()?;
-    /// assert!(world.get::<&Collider>(ghost.spawn(&mut world)).is_err());
+    /// let ghost = ghost.spawn(&mut world);
+    /// assert!(world.get::<&Collider>(ghost).is_err());
     /// # Ok::<(), tumble::BodyError>(())
     /// ```
     #[doc(alias("ghost", "no collision"))]

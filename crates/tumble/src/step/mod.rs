@@ -42,16 +42,16 @@ use crate::step::systems::{accumulate_forces_of, integrate_bodies, remember_pose
 /// bodies, and [`PreviousPose`](crate::PreviousPose).
 ///
 /// All systems run on a chunk of bodies while it is in cache.
-/// [`accumulate_forces`](crate::accumulate_forces), [`integrate`](crate::integrate) and
-/// [`update_derived`](crate::update_derived), one after the other over the whole world, give moving
+/// [`accumulate_forces`], [`integrate`] and
+/// [`update_derived`], one after the other over the whole world, give moving
 /// bodies the same bits, with one exception: what a [`Spring`](crate::Spring) or
 /// [`GravityMass`](crate::GravityMass) ties to a kinematic body, since a step moves that one along
 /// in every substep.
 ///
 /// Nothing is kept for the next step here: contacts begin each without the impulses that held
-/// bodies in the last, so piles sink and creep. A [`Simulation`](crate::Simulation) keeps them.
+/// bodies in the last, so piles sink and creep. A [`Simulation`] keeps them.
 ///
-/// The settings are not [validated](Settings::validate) here; [`Simulation`](crate::Simulation)
+/// The settings are not [validated](Settings::validate) here; [`Simulation`]
 /// does that once, and knows the force laws and the time.
 ///
 /// ```

@@ -33,7 +33,9 @@ use crate::math::{Real, Vec3};
 /// use tumble::prelude::*;
 ///
 /// let mut world = hecs::World::new();
-/// let ball = |x: Real| RigidBody::new(Shape::sphere(0.1)).mass(2.0).position(Vec3::X * x).build();
+/// // Balls that go through each other.
+/// let ball = RigidBody::new(Shape::sphere(0.1)).mass(2.0).without_collider();
+/// let ball = |x: Real| ball.clone().position(Vec3::X * x).build();
 /// let (left, right) = (ball(-1.0)?.spawn(&mut world), ball(1.0)?.spawn(&mut world));
 /// // A reduced mass of 1 kg: they swing apart and together once in pi seconds.
 /// world.spawn((Spring::between(left, right).with_rest_length(1.0).with_stiffness(4.0),));
