@@ -119,6 +119,7 @@ pub mod step;
 mod storage;
 mod threads;
 
+#[doc(inline)]
 pub use batch::Batch;
 pub use batch::trial::Trial;
 pub use body::body_error::BodyError;
@@ -132,10 +133,12 @@ pub use collision::collider_error::ColliderError;
 pub use collision::contact_events::{ContactEvent, Impact};
 pub use collision::material::Material;
 pub use collision::sensors::SensorEvent;
+#[doc(inline)]
 pub use components::{
     BodyId, CenterOfMass, Damping, GravityScale, Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity,
     Wind, Wrench,
 };
+#[doc(inline)]
 pub use debug_draw::DebugView;
 pub use energy::ledger::Ledger;
 pub use forces::components::{
@@ -160,10 +163,12 @@ pub use queries::query_filter::QueryFilter;
 pub use queries::ray::Ray;
 pub use queries::world_queries::Queries;
 pub use settings::{Settings, SettingsError};
+#[doc(inline)]
 pub use snapshot::Snapshot;
 pub use snapshot::error::SnapshotError;
 pub use snapshot::rollback::{Rollback, RollbackError};
 pub use step::simulation::Simulation;
+#[doc(inline)]
 pub use step::step;
 
 // At the root too, but shown in their modules alone.

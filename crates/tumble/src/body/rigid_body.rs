@@ -256,7 +256,8 @@ impl RigidBody {
         Self { collider: ColliderChoice::Given(collider), ..self }
     }
 
-    /// Others pass through it: it gets no [`Collider`].
+    /// Others pass through it: it gets no [`Collider`]. Where nothing in a world has one, nothing
+    /// looks for contacts.
     ///
     /// ```
     /// # use tumble::{Collider, prelude::*};
