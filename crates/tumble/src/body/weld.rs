@@ -69,7 +69,8 @@ tumble_math::debug_as_display!(WeldError);
 /// whether it has a [`PreviousPose`]; forces and what else is on the entities is left to the
 /// caller.
 ///
-/// Bodies without [`Inertia`] count as points, and do not turn.
+/// It has no [`Collider`](crate::Collider): give it one with
+/// [`spawn_with`](Body::spawn_with). Bodies without [`Inertia`] count as points, and do not turn.
 ///
 /// ```
 /// use tumble::{prelude::*, weld};
