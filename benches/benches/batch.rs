@@ -25,6 +25,7 @@ fn trial(bodies: usize, mut rng: Rng) -> Option<Trial> {
     let mut world = World::new();
     for _ in 0..bodies {
         let body = RigidBody::new(Shape::cuboid(rng.vector(0.1, 1.0)))
+            .without_collider()
             .density(1000.0)
             .position(rng.vector(-50.0, 50.0))
             .linear_velocity(rng.vector(-3.0, 3.0))

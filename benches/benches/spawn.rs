@@ -90,8 +90,13 @@ fn build(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("build");
     group.throughput(Throughput::Elements(1));
     group.bench_function("box", |bencher| {
-        bencher
-            .iter(|| RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).density(1000.0).angular_velocity(Vec3::X).build());
+        bencher.iter(|| {
+            RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3]))
+                .without_collider()
+                .density(1000.0)
+                .angular_velocity(Vec3::X)
+                .build()
+        });
     });
 }
 

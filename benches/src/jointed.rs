@@ -51,7 +51,7 @@ fn hang(world: &mut World, first_id: usize, at: Vec3, links: usize, kind: JointK
     let down = orientation * -Vec3::Y * LINK;
     let mut last = fixed(world, first_id, at);
     for i in 0..links {
-        let link = RigidBody::new(Shape::cuboid([0.02, 0.05, 0.02])).mass(1.0);
+        let link = RigidBody::new(Shape::cuboid([0.02, 0.05, 0.02])).without_collider().mass(1.0);
         let link = link.id(BodyId((first_id + 1 + i) as u64)).orientation(orientation);
         let link = spawn(world, link.position(at + down * (i as Real + 0.5)));
         kind.connect(world, [last, link], at + down * i as Real);
@@ -74,7 +74,8 @@ pub fn bridge(planks: usize, kind: JointKind) -> World {
         let half = 0.5 * turn;
         let orientation = Quat::from_xyzw(0.0, 0.0, half, 1.0).normalize();
         let along = orientation * Vec3::X * WIDTH;
-        let plank = RigidBody::new(Shape::cuboid([0.2, 0.02, 0.5])).mass(20.0).id(BodyId(i as u64 + 1));
+        let plank =
+            RigidBody::new(Shape::cuboid([0.2, 0.02, 0.5])).without_collider().mass(20.0).id(BodyId(i as u64 + 1));
         let plank = spawn(&mut world, plank.position(at + along * 0.5).orientation(orientation));
         join_planks(&mut world, [last, plank], at, kind);
         (at, last) = (at + along, plank);
@@ -101,7 +102,8 @@ pub fn arm(links: usize) -> World {
     let mut last = fixed(&mut world, 0, Vec3::ZERO);
     for i in 0..links {
         let begin = Vec3::X * (i as Real * LINK);
-        let link = RigidBody::new(Shape::cuboid([0.05, 0.02, 0.02])).mass(1.0).id(BodyId(i as u64 + 1));
+        let link =
+            RigidBody::new(Shape::cuboid([0.05, 0.02, 0.02])).without_collider().mass(1.0).id(BodyId(i as u64 + 1));
         let link = spawn(&mut world, link.position(begin + Vec3::X * (0.5 * LINK)));
         let axis = if i % 2 == 0 { Vec3::Z } else { Vec3::Y };
         let hinge = Joint::hinge(last, link).at(&world, begin, axis);

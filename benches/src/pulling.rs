@@ -17,7 +17,10 @@ pub fn net_of_springs(side: usize) -> World {
     for i in 0..net.len() {
         let right = (i % side + 1 < side).then_some(i + 1);
         for other in right.into_iter().chain((i + side < net.len()).then_some(i + side)) {
-            world.spawn((Spring::between(net[i], net[other]).rest_length(1.0).stiffness(100.0).damping(0.1),));
+            world.spawn((Spring::between(net[i], net[other])
+                .with_rest_length(1.0)
+                .with_stiffness(100.0)
+                .with_damping(0.1),));
         }
     }
     world
@@ -36,6 +39,6 @@ pub fn attracting_points(count: usize) -> World {
 /// A body of a kilogram, with more components.
 #[allow(clippy::expect_used, reason = "the bodies made above are possible")]
 fn spawn(world: &mut World, shape: Shape, id: usize, place: Vec3, with: impl DynamicBundle) -> Entity {
-    let body = RigidBody::new(shape).mass(1.0).id(BodyId(id as u64)).position(place);
+    let body = RigidBody::new(shape).without_collider().mass(1.0).id(BodyId(id as u64)).position(place);
     body.build().expect("a possible body").spawn_with(world, with)
 }

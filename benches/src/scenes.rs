@@ -21,7 +21,7 @@ pub fn tumbling_boxes(count: usize) -> World {
 /// The next of [`tumbling_boxes`].
 pub fn tumbling_box(rng: &mut Rng) -> Body {
     let shape = Shape::cuboid(rng.vector(0.1, 1.0));
-    place(RigidBody::new(shape).density(1000.0), rng)
+    place(RigidBody::new(shape).without_collider().density(1000.0), rng)
 }
 
 /// `count` bodies of every kind there is: all shapes, with their own principal axes and centres of
@@ -48,7 +48,7 @@ pub fn mixed_moving_bodies(count: usize) -> World {
 pub fn mixed_body(id: u64) -> Body {
     let mut rng = Rng::new(id.wrapping_mul(0x5851_f42d_4c95_7f2d));
     let kind = id % KINDS;
-    let mut body = RigidBody::new(mixed_shape(kind, &mut rng)).id(BodyId(id));
+    let mut body = RigidBody::new(mixed_shape(kind, &mut rng)).without_collider().id(BodyId(id));
     body = match kind {
         KINEMATIC => return place(body.kinematic(), &mut rng),
         FIXED => return built(somewhere(body.fixed(), &mut rng)),

@@ -23,7 +23,12 @@ fn resident() -> f64 {
 
 /// A batch of worlds of this many bodies that has been stepped, and the bytes that each world has.
 fn measured(worlds: usize, bodies: u32) -> (Batch, f64) {
-    let body = RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).mass(1.0).angular_velocity(Vec3::ONE).build().unwrap();
+    let body = RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3]))
+        .without_collider()
+        .mass(1.0)
+        .angular_velocity(Vec3::ONE)
+        .build()
+        .unwrap();
     let before = resident();
     let mut batch = Batch::from_seed(worlds, 0, |_, _| {
         let mut world = World::new();

@@ -39,7 +39,8 @@ fn the_sum_is_the_rate_of_the_momentum() {
         let bodies: Vec<Entity> = (0..6)
             .map(|i| {
                 let size = draw.log_between(0.05, 5.0);
-                let body = RigidBody::new(Shape::cuboid([size, 0.7 * size, 0.4 * size])).id(BodyId(i));
+                let body =
+                    RigidBody::new(Shape::cuboid([size, 0.7 * size, 0.4 * size])).without_collider().id(BodyId(i));
                 let body = body.mass(draw.log_between(0.01, 1e3)).position(vector(draw.vector(10.0)));
                 let body = body.linear_velocity(vector(draw.vector(4.0)));
                 body.angular_velocity(vector(draw.vector(3.0))).build().unwrap().spawn(&mut world)
@@ -54,7 +55,7 @@ fn the_sum_is_the_rate_of_the_momentum() {
             }
             world.get::<&mut Wrench>(*body).unwrap().add_force_at(vector(draw.vector(3.0)), Vec3::X, Vec3::ZERO);
         }
-        let spring = Spring::between(bodies[0], bodies[1]).stiffness(9.0).damping(0.5);
+        let spring = Spring::between(bodies[0], bodies[1]).with_stiffness(9.0).with_damping(0.5);
         world.spawn((spring.attached_at(Vec3::X * 0.1, Vec3::Y * 0.2),));
         let mut simulation = Simulation::new(Settings::default()).unwrap();
         simulation.add_global_law(Tide);
@@ -137,9 +138,9 @@ fn contacts_act_on_both_bodies() {
 #[test]
 fn a_damper_sees_both_ends_as_they_are() {
     let mut world = World::new();
-    let ball = |x: Real| RigidBody::new(Shape::sphere(0.1)).mass(2.0).position(Vec3::X * x);
+    let ball = |x: Real| RigidBody::new(Shape::sphere(0.1)).without_collider().mass(2.0).position(Vec3::X * x);
     let [a, b] = [0.0, 2.0].map(|x| ball(x).build().unwrap().spawn(&mut world));
-    world.spawn((Spring::between(a, b).rest_length(2.0).stiffness(10.0).damping(3.0),));
+    world.spawn((Spring::between(a, b).with_rest_length(2.0).with_stiffness(10.0).with_damping(3.0),));
     let simulation = Simulation::new(Settings::default()).unwrap();
     world.get::<&mut Momentum>(b).unwrap().apply_impulse(Vec3::X * 8.0);
     world.remove_one::<Velocity>(b).unwrap();
@@ -151,8 +152,11 @@ fn a_damper_sees_both_ends_as_they_are() {
 fn what_forces_do_not_move_has_none() {
     let mut world = World::new();
     let fixed = ground(&mut world, Material::default(), Quat::IDENTITY);
-    let kinematic = RigidBody::new(Shape::sphere(1.0)).kinematic().build().unwrap().spawn(&mut world);
-    let moving = |world: &mut World| RigidBody::new(Shape::sphere(1.0)).mass(1.0).build().unwrap().spawn(world);
+    let kinematic =
+        RigidBody::new(Shape::sphere(1.0)).without_collider().kinematic().build().unwrap().spawn(&mut world);
+    let moving = |world: &mut World| {
+        RigidBody::new(Shape::sphere(1.0)).without_collider().mass(1.0).build().unwrap().spawn(world)
+    };
     let (gone, untouched) = (moving(&mut world), moving(&mut world));
     world.despawn(gone).unwrap();
     world.remove_one::<Wrench>(untouched).unwrap();

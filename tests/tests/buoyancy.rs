@@ -33,7 +33,11 @@ fn up() -> DVec3 {
 /// A body that only the water acts on; what it weighs is left out.
 fn floating(buoyancy: Buoyancy, pose: Pose) -> (World, Entity) {
     let mut world = World::new();
-    let body = RigidBody::new(Shape::sphere(1.0)).mass(1.0).position(pose.position).orientation(pose.orientation);
+    let body = RigidBody::new(Shape::sphere(1.0))
+        .without_collider()
+        .mass(1.0)
+        .position(pose.position)
+        .orientation(pose.orientation);
     let body = body.build().unwrap().spawn(&mut world);
     world.insert(body, (buoyancy, GravityScale(0.0))).unwrap();
     (world, body)
@@ -258,7 +262,7 @@ fn with_gravity_down(integrator: Integrator) -> tumble::Simulation {
 /// A wide box of 600 kg/m^3, which lies 0.6 of its height deep and is stable.
 fn raft(center: Vec3) -> (RigidBody, Buoyancy, Vec3) {
     let half_extents = Vec3::new(1.0, 0.25, 0.5);
-    let body = RigidBody::new(Shape::cuboid(dvec3(half_extents))).density(600.0);
+    let body = RigidBody::new(Shape::cuboid(dvec3(half_extents))).without_collider().density(600.0);
     (body, Buoyancy { center, ..Buoyancy::new(Hull::Cuboid { half_extents }) }, half_extents)
 }
 
@@ -270,7 +274,7 @@ fn what_floats_lies_as_deep_as_it_weighs() {
         let damping = Damping { linear: 2.0, angular: 2.0 };
         let (box_body, box_hull, half) = raft(Vec3::ZERO);
         let radius: Real = 0.5;
-        let ball = RigidBody::new(Shape::sphere(radius)).density(300.0);
+        let ball = RigidBody::new(Shape::sphere(radius)).without_collider().density(300.0);
         let ball_hull = Buoyancy::new(Hull::Sphere { radius });
         let mut world = World::new();
         let mut place = |body: RigidBody, hull| {

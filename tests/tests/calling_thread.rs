@@ -39,7 +39,7 @@ fn heap(seed: u64, count: usize) -> World {
         bodies.push(spawn(&mut world, body, collider(&shape)));
     }
     for pair in bodies.windows(2).filter(|_| kinds & 1 << 40 != 0) {
-        world.spawn((Spring::between(pair[0], pair[1]).stiffness(5.0).damping(1.0),));
+        world.spawn((Spring::between(pair[0], pair[1]).with_stiffness(5.0).with_damping(1.0),));
     }
     for pair in bodies.chunks_exact(2).filter(|_| kinds & 1 << 42 != 0) {
         let joint = Joint::ball(pair[0], pair[1]).at_point(&world, Vec3::Y).unwrap();

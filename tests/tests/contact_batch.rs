@@ -33,7 +33,7 @@ fn trial(index: u64) -> Trial {
     };
     if index % 9 == 8 {
         let bodies: Vec<_> = tumble::BodyOrder::moving(&world).entities().to_vec();
-        world.spawn((Spring::between(bodies[0], bodies[1]).stiffness(20.0),));
+        world.spawn((Spring::between(bodies[0], bodies[1]).with_stiffness(20.0),));
     }
     if index == 11 {
         world = World::new();

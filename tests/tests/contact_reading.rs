@@ -271,7 +271,7 @@ fn a_world_without_colliders_has_no_contacts() {
         let lying = body(&mut world, RigidBody::new(cube(0.5)).mass(1.0).position(Vec3::Y * 0.5), &cube(0.5));
         if spring {
             // So that the world stays one where bodies act on each other.
-            world.spawn((tumble::Spring::between(ground, lying).stiffness(1.0),));
+            world.spawn((tumble::Spring::between(ground, lying).with_stiffness(1.0),));
         }
         let mut simulation = simulation();
         run(&mut simulation, &mut world, 5);

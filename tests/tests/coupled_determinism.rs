@@ -67,7 +67,7 @@ fn the_order_of_spawning_does_not_matter() {
         // Bodies and springs that come and go beside it, in the same tiles and the same parts.
         let mut world = plain_scene(Kinds::All);
         let passing: Vec<Entity> = (0..50).map(|i| spawn(&mut world, BODIES + 1 + 2 * i)).collect();
-        let far = world.spawn((Spring::between(passing[0], passing[1]).stiffness(3.0),));
+        let far = world.spawn((Spring::between(passing[0], passing[1]).with_stiffness(3.0),));
         let mut simulation = simulation(integrator);
         // What passes must not attract: odd identities have no mass.
         run(&mut simulation, &mut world, 20);

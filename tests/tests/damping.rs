@@ -12,7 +12,7 @@ use tumble::{Damping, Integrator, Momentum, Pose, RigidBody, Shape, Velocity};
 use tumble_tests::{EPSILON, dquat, dvec3, seconds, simulation};
 
 fn brick(damping: Damping) -> RigidBody {
-    RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).mass(2.0).damping(damping)
+    RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).without_collider().mass(2.0).damping(damping)
 }
 
 fn spawn(world: &mut World, body: RigidBody) -> Entity {
@@ -173,7 +173,8 @@ fn no_damping_is_no_damping() {
         let mut world = World::new();
         let moving = |body: RigidBody| body.linear_velocity(Vec3::ONE).angular_velocity(Vec3::ONE);
         let zero = spawn(&mut world, moving(brick(Damping::default())));
-        let without = spawn(&mut world, moving(RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).mass(2.0)));
+        let without =
+            spawn(&mut world, moving(RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).without_collider().mass(2.0)));
         let mut simulation = simulation(integrator, Vec3::NEG_Y, 0.01);
         for _ in 0..100 {
             simulation.step(&mut world);

@@ -30,7 +30,13 @@ fn ends_in_shape_frame(shape: &Shape) -> Vec<DVec3> {
     let position = Vec3::new(1.0, -2.0, 0.5);
     let orientation = Quat::from_rotation_x(0.7) * Quat::from_rotation_y(-1.9);
     let mut world = hecs::World::new();
-    let body = RigidBody::new(shape.clone()).fixed().position(position).orientation(orientation).build().unwrap();
+    let body = RigidBody::new(shape.clone())
+        .without_collider()
+        .fixed()
+        .position(position)
+        .orientation(orientation)
+        .build()
+        .unwrap();
     let entity = body.spawn(&mut world);
     world.insert_one(entity, shape.clone()).unwrap();
     let to_shape = |point: DVec3| dquat(orientation).conjugate() * (point - dvec3(position));
@@ -129,7 +135,7 @@ fn a_body_without_shape_is_the_box_of_its_inertia() {
         Shape::Compound(vec![Part::new(Shape::cuboid(half), Amount::Mass(3.0)).at([0.0, 2.0, 0.0]).turned(tilt)]);
     let mut world = hecs::World::new();
     let orientation = Quat::from_rotation_z(1.1);
-    RigidBody::new(shape).orientation(orientation).build().unwrap().spawn(&mut world);
+    RigidBody::new(shape).without_collider().orientation(orientation).build().unwrap().spawn(&mut world);
     let lines = lines(&DebugView { ellipsoids: true, ..outlines() }, &world);
     let to_part = |end: DVec3| tilt.conjugate() * (dquat(orientation).conjugate() * end - DVec3::Y * 2.0);
     let (mut box_ends, mut ellipsoid_ends) = (0, 0);
@@ -165,6 +171,7 @@ fn arrows_are_what_they_stand_for() {
     let position = Vec3::new(4.0, 0.0, -8.0);
     let quarter = Quat::from_rotation_arc(Vec3::X, Vec3::Y);
     let body = RigidBody::new(Shape::cuboid([0.5, 0.5, 0.5]))
+        .without_collider()
         .mass(6.0)
         .position(position)
         .orientation(quarter)
@@ -209,8 +216,15 @@ fn arrows_are_what_they_stand_for() {
 #[test]
 fn springs_join_their_ends_and_frames_are_between_steps() {
     let mut world = hecs::World::new();
-    let ball =
-        |x: Real| RigidBody::new(Shape::sphere(0.25)).mass(1.0).position(Vec3::X * x).interpolated().build().unwrap();
+    let ball = |x: Real| {
+        RigidBody::new(Shape::sphere(0.25))
+            .without_collider()
+            .mass(1.0)
+            .position(Vec3::X * x)
+            .interpolated()
+            .build()
+            .unwrap()
+    };
     let (left, right) = (ball(-2.0).spawn(&mut world), ball(2.0).spawn(&mut world));
     world.spawn((Spring::between(left, right).attached_at(Vec3::Y, Vec3::ZERO),));
     world.insert_one(right, SpringToPoint { anchor: Vec3::Z * 8.0, ..SpringToPoint::default() }).unwrap();
@@ -237,7 +251,9 @@ fn springs_end_where_they_are_attached() {
     let (far, tilt) = (Vec3::new(1.0, -2.0, 0.5), Quat::from_rotation_x(0.7) * Quat::from_rotation_y(-1.9));
     let quarter = Quat::from_rotation_arc(Vec3::X, Vec3::Y);
     let shape = || Shape::Compound(vec![Part::new(Shape::sphere(0.5), Amount::Mass(2.0)).at([0.0, 1.0, 0.0])]);
-    let body = |at: Vec3, turn: Quat| RigidBody::new(shape()).position(at).orientation(turn).build().unwrap();
+    let body = |at: Vec3, turn: Quat| {
+        RigidBody::new(shape()).without_collider().position(at).orientation(turn).build().unwrap()
+    };
     let (one, other) = (body(Vec3::X * 3.0, quarter).spawn(&mut world), body(far, tilt).spawn(&mut world));
     let on_other = Vec3::new(0.25, -0.5, 0.75);
     world.spawn((Spring::between(one, other).attached_at(Vec3::X * 0.5, on_other),));
@@ -282,7 +298,7 @@ fn box_on_ground(ground: u64) -> (hecs::World, hecs::Entity) {
     fixed.build().unwrap().spawn_with(&mut world, (Collider::half_space(),));
     let shape = Shape::cuboid([0.5, 0.25, 0.75]);
     let collider = Collider::new(&shape).unwrap();
-    let body = RigidBody::new(shape).mass(3.0).position(Vec3::Y * 0.25).id(BodyId(1));
+    let body = RigidBody::new(shape).without_collider().mass(3.0).position(Vec3::Y * 0.25).id(BodyId(1));
     let body = body.orientation(Quat::from_rotation_y(0.4)).build().unwrap();
     let body = body.spawn_with(&mut world, (collider,));
     (world, body)
@@ -353,7 +369,8 @@ fn ends_in_collider_frame(collider: Collider) -> Vec<DVec3> {
     let offset = Pose { position: Vec3::new(0.25, 0.5, -0.25), orientation: Quat::from_rotation_z(-1.9) };
     let mut world = hecs::World::new();
     let shape = Shape::Compound(vec![Part::new(Shape::sphere(0.5), Amount::Mass(2.0)).at([0.0, 1.0, 0.0])]);
-    let body = RigidBody::new(shape).position(pose.position).orientation(pose.orientation).build().unwrap();
+    let body =
+        RigidBody::new(shape).without_collider().position(pose.position).orientation(pose.orientation).build().unwrap();
     let body = body.spawn_with(&mut world, (collider.with_offset(offset).unwrap(),));
     assert!(world.get::<&CenterOfMass>(body).is_ok());
     let lines = lines(&DebugView { colliders: true, ..DebugView::nothing() }, &world);
@@ -429,7 +446,9 @@ impl DebugDraw for Texts {
 #[test]
 fn what_is_not_finite_is_not_drawn() {
     let mut world = hecs::World::new();
-    let cube = |id| RigidBody::new(Shape::cuboid([1.0, 1.0, 1.0])).mass(1.0).id(BodyId(id)).build().unwrap();
+    let cube = |id| {
+        RigidBody::new(Shape::cuboid([1.0, 1.0, 1.0])).without_collider().mass(1.0).id(BodyId(id)).build().unwrap()
+    };
     let (lost, _) = (cube(3).spawn(&mut world), cube(7).spawn(&mut world));
     world.get::<&mut Pose>(lost).unwrap().position.x = Real::NAN;
     world.get::<&mut Momentum>(lost).unwrap().angular.y = Real::INFINITY;

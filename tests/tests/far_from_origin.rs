@@ -19,6 +19,7 @@ const INTEGRATORS: [Integrator; 3] = [Integrator::SemiImplicitEuler, Integrator:
 fn way(integrator: Integrator, distance: f64, speed: f64, steps: u32) -> f64 {
     let mut world = World::new();
     let body = RigidBody::new(Shape::sphere(0.5))
+        .without_collider()
         .mass(1.0)
         .position(Vec3::X * distance as Real)
         .linear_velocity(Vec3::X * speed as Real)

@@ -20,7 +20,7 @@ fn simulation(dt: Real) -> Simulation {
 
 /// A body that moves at 3 m/s along x and turns at 2 rad/s about z, kept for interpolation.
 fn spawn_moving(world: &mut World) -> Entity {
-    let body = RigidBody::new(Shape::sphere(0.5)).mass(1.0).interpolated();
+    let body = RigidBody::new(Shape::sphere(0.5)).without_collider().mass(1.0).interpolated();
     body.linear_velocity(Vec3::X * 3.0).angular_velocity(Vec3::Z * 2.0).build().unwrap().spawn(world)
 }
 
@@ -151,7 +151,8 @@ fn the_previous_pose_is_that_before_the_step() {
     for (integrator, collides) in Integrator::ALL.into_iter().flat_map(|it| [(it, false), (it, true)]) {
         let mut world = World::new();
         let dynamic = spawn_moving(&mut world);
-        let kinematic = RigidBody::new(Shape::sphere(0.5)).kinematic().interpolated().angular_velocity(Vec3::X);
+        let kinematic =
+            RigidBody::new(Shape::sphere(0.5)).without_collider().kinematic().interpolated().angular_velocity(Vec3::X);
         let kinematic = kinematic.linear_velocity(Vec3::Z).build().unwrap().spawn(&mut world);
         for entity in [dynamic, kinematic].into_iter().filter(|_| collides) {
             world.insert_one(entity, collider.clone()).unwrap();

@@ -22,7 +22,7 @@ use tumble_benches::mixed_bodies;
 use tumble_tests::{EPSILON, attitude_error, dquat, dvec3, hash, run, weightless};
 
 fn box_of_three_lengths() -> RigidBody {
-    RigidBody::new(Shape::cuboid([0.3, 0.5, 0.8])).mass(1.5)
+    RigidBody::new(Shape::cuboid([0.3, 0.5, 0.8])).without_collider().mass(1.5)
 }
 
 /// Which law acts in a run.
@@ -344,7 +344,8 @@ fn a_law_sees_the_state() {
     let part = |x: f64, mass: f64| {
         tumble::Part::new(Shape::cuboid([0.1, 0.2, 0.3]), tumble::Amount::Mass(mass)).at([x, 0.3 * x, 0.0])
     };
-    let compound = RigidBody::new(Shape::compound([part(0.5, 1.0), part(-1.0, 2.0)])).orientation(frame);
+    let compound =
+        RigidBody::new(Shape::compound([part(0.5, 1.0), part(-1.0, 2.0)])).without_collider().orientation(frame);
     let mut world = World::new();
     let body = compound.linear_velocity(Vec3::Y).angular_velocity(spin).build().unwrap().spawn(&mut world);
     let before = *world.get::<&Momentum>(body).unwrap();

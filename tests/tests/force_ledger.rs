@@ -22,7 +22,8 @@ use coupled::{Honey, Kinds, Tide, plain_scene};
 const DT: Real = 1.0 / 128.0;
 
 fn spawn(world: &mut World, x: Real) -> Entity {
-    let body = RigidBody::new(Shape::cuboid([0.3, 0.5, 0.8])).mass(1.5).position(Vec3::new(x, 0.1, -0.3));
+    let body =
+        RigidBody::new(Shape::cuboid([0.3, 0.5, 0.8])).without_collider().mass(1.5).position(Vec3::new(x, 0.1, -0.3));
     let body = body.linear_velocity(Vec3::new(1.0, 0.5, -2.0)).angular_velocity(Vec3::new(2.0, 3.0, 1.0));
     body.gravity_scale(0.0).build().unwrap().spawn(world)
 }
@@ -93,7 +94,7 @@ fn each_kind_has_its_own_account() {
     assert_own_account("AngularVelocityServo", &component(servo));
     assert_own_account("Spring", &|world, body| {
         let wall = RigidBody::new(Shape::Point).fixed().build().unwrap().spawn(world);
-        world.spawn((Spring::between(wall, body).attached_at(Vec3::ZERO, Vec3::ONE * 0.2).stiffness(30.0),));
+        world.spawn((Spring::between(wall, body).attached_at(Vec3::ZERO, Vec3::ONE * 0.2).with_stiffness(30.0),));
     });
     assert_own_account("GravityMass", &|world, body| {
         let sun = RigidBody::new(Shape::Point).fixed().build().unwrap().spawn(world);
@@ -159,7 +160,7 @@ fn conservative(integrator: Integrator, steps_a_second: u32, between_bodies: boo
     let (a, b) = (spawn(&mut world, -0.8), spawn(&mut world, 1.0));
     if between_bodies {
         let hooks = (Vec3::new(0.1, 0.2, 0.0), Vec3::new(-0.2, 0.1, 0.3));
-        world.spawn((Spring::between(a, b).attached_at(hooks.0, hooks.1).rest_length(1.0).stiffness(20.0),));
+        world.spawn((Spring::between(a, b).attached_at(hooks.0, hooks.1).with_rest_length(1.0).with_stiffness(20.0),));
         for body in [a, b] {
             world.insert_one(body, GravityMass { mu: 3.0, softening: 0.5 }).unwrap();
         }

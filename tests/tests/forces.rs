@@ -26,7 +26,7 @@ fn spawn(world: &mut World, body: RigidBody) -> Entity {
 const DT: Real = 1.0 / 64.0;
 
 fn brick() -> RigidBody {
-    RigidBody::new(Shape::cuboid([0.5, 1.0, 1.5])).mass(2.0)
+    RigidBody::new(Shape::cuboid([0.5, 1.0, 1.5])).without_collider().mass(2.0)
 }
 
 /// A tensor with products of inertia: `Ixy = -0.4` as a matrix element, so mass leans towards
@@ -50,7 +50,8 @@ fn a_force_at_a_point_is_a_force_and_a_torque() {
     let (force, arm) = (Vec3::new(1.0, -2.0, 3.0), Vec3::new(0.5, 0.25, -1.0));
     for integrator in Integrator::ALL {
         let mut world = World::new();
-        let cone = || RigidBody::new(Shape::cone(0.5, 1.0)).mass(2.0).position(Vec3::new(3.0, 2.0, 1.0));
+        let cone =
+            || RigidBody::new(Shape::cone(0.5, 1.0)).without_collider().mass(2.0).position(Vec3::new(3.0, 2.0, 1.0));
         let (at_point, split) = (spawn(&mut world, cone()), spawn(&mut world, cone()));
         assert!(world.get::<&CenterOfMass>(at_point).is_ok());
         let center = world.get::<&Pose>(at_point).unwrap().position;

@@ -99,12 +99,15 @@ fn every_pair_attracts() {
 #[test]
 fn who_attracts_whom() {
     let mut world = World::new();
-    let sun = spawn(&mut world, RigidBody::new(Shape::sphere(1.0)).fixed(), GravityMass::new(8.0));
+    let sun = spawn(&mut world, RigidBody::new(Shape::sphere(1.0)).without_collider().fixed(), GravityMass::new(8.0));
     let probe = spawn(&mut world, point(3.0, Vec3::X * 2.0, Vec3::ZERO), GravityMass::new(0.0));
     let other = spawn(&mut world, point(1.0, Vec3::X * -2.0, Vec3::ZERO), GravityMass::new(0.0));
     let stranger = point(1.0, Vec3::Y, Vec3::ZERO).build().unwrap().spawn(&mut world);
-    let drawn =
-        spawn(&mut world, RigidBody::new(Shape::sphere(1.0)).kinematic().position(Vec3::Y), GravityMass::new(0.0));
+    let drawn = spawn(
+        &mut world,
+        RigidBody::new(Shape::sphere(1.0)).without_collider().kinematic().position(Vec3::Y),
+        GravityMass::new(0.0),
+    );
     weightless(SemiImplicitEuler, 0.125).step(&mut world);
     let impulse = |body| world.get::<&Momentum>(body).unwrap().linear;
     assert_eq!(impulse(probe), Vec3::X * -(3.0 * 2.0 * 0.125));

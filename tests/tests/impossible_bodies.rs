@@ -77,7 +77,7 @@ fn scene(seed: u64) -> (World, Vec<Entity>) {
     let bodies: Vec<Entity> = (0..BODIES).map(|id| body(&mut world, &mut rng, id)).collect();
     if seed.is_multiple_of(3) {
         for pair in bodies.windows(2) {
-            world.spawn((Spring::between(pair[0], pair[1]).stiffness(20.0).damping(0.5),));
+            world.spawn((Spring::between(pair[0], pair[1]).with_stiffness(20.0).with_damping(0.5),));
         }
     }
     (world, bodies)
@@ -90,7 +90,7 @@ fn body(world: &mut World, rng: &mut Rng, id: u64) -> Entity {
         2 => Shape::cylinder(0.15, 0.1),
         _ => Shape::capsule(0.1, 0.1),
     };
-    let body = RigidBody::new(shape.clone()).mass(1.0).id(BodyId(id)).orientation(rng.orientation());
+    let body = RigidBody::new(shape.clone()).without_collider().mass(1.0).id(BodyId(id)).orientation(rng.orientation());
     let body = body.position(Vec3::Y * 0.5 + rng.vector(-0.5, 0.5)).linear_velocity(rng.vector(-2.0, 2.0));
     let surface = Material::new(0.4, 0.5);
     spawn(world, body, collider(&shape).with_material(surface).unwrap())
@@ -100,7 +100,7 @@ fn body(world: &mut World, rng: &mut Rng, id: u64) -> Entity {
 fn poison(world: &mut World, victim: Entity, others: &[Entity], what: Poisoned, value: Real, axis: usize) {
     let mut vector = Vec3::ZERO;
     vector[axis] = value;
-    let spring = Spring::between(victim, others[0]).stiffness(10.0).damping(1.0);
+    let spring = Spring::between(victim, others[0]).with_stiffness(10.0).with_damping(1.0);
     match what {
         Poisoned::Position => world.get::<&mut Pose>(victim).unwrap().position[axis] = value,
         Poisoned::Orientation => {
@@ -133,9 +133,9 @@ fn poison(world: &mut World, victim: Entity, others: &[Entity], what: Poisoned, 
             others.iter().for_each(|other| world.insert_one(*other, GravityMass::new(0.1)).unwrap());
             world.insert_one(victim, GravityMass { mu: value, softening: 0.0 }).unwrap();
         }
-        Poisoned::Stiffness => drop(world.spawn((spring.stiffness(value),))),
-        Poisoned::SpringDamping => drop(world.spawn((spring.damping(value),))),
-        Poisoned::RestLength => drop(world.spawn((spring.rest_length(value),))),
+        Poisoned::Stiffness => drop(world.spawn((spring.with_stiffness(value),))),
+        Poisoned::SpringDamping => drop(world.spawn((spring.with_damping(value),))),
+        Poisoned::RestLength => drop(world.spawn((spring.with_rest_length(value),))),
         Poisoned::Attachment => drop(world.spawn((spring.attached_at(vector, vector),))),
         Poisoned::SpringForce => {
             world.spawn((spring,));
@@ -315,7 +315,10 @@ const COMPONENTS: &[Component] = &[
         let other = BodyOrder::of(world).entities()[0];
         let [rest_length, stiffness, damping] = bad.number([0.1, 10.0, 0.5]);
         let attachment = if bad.which > 4 { bad.vector(Vec3::ZERO) } else { Vec3::ZERO };
-        let spring = Spring::between(victim, other).rest_length(rest_length).stiffness(stiffness).damping(damping);
+        let spring = Spring::between(victim, other)
+            .with_rest_length(rest_length)
+            .with_stiffness(stiffness)
+            .with_damping(damping);
         world.spawn((spring.attached_at(attachment, Vec3::ZERO),));
     }),
 ];
@@ -418,7 +421,7 @@ fn extreme_bodies_touch_nothing_that_they_could_spoil() {
                 let (mut world, bodies) = scene(seed);
                 let amount = 10_f64.powi(exponent);
                 let shape = cube(0.2);
-                let start = RigidBody::new(shape.clone()).position(Vec3::Y * 0.6);
+                let start = RigidBody::new(shape.clone()).without_collider().position(Vec3::Y * 0.6);
                 let start = if of_moments {
                     let moments = tumble::InertiaTensor::from_principal([amount; 3], Default::default()).unwrap();
                     start.mass(1.0).inertia(moments)
@@ -452,7 +455,7 @@ fn what_is_out_of_range_is_refused_by_name() {
         let at_the_edge = settings.with_dt(dt).with_contact_substeps(1).with_gravity(Vec3::splat(1e9));
         assert!(at_the_edge.validate().is_ok(), "{dt}");
     }
-    let body = || RigidBody::new(Shape::sphere(1.0)).mass(1.0);
+    let body = || RigidBody::new(Shape::sphere(1.0)).without_collider().mass(1.0);
     let refused = [
         (body().position(Vec3::X * 1.01e15), "position"),
         (body().linear_velocity(Vec3::Y * -1e20), "linear_velocity"),

@@ -176,7 +176,7 @@ proptest! {
                 DVec3::new(m.x_axis.z, m.y_axis.z, m.z_axis.z),
             );
         }
-        if let Ok(inertia) = InertiaTensor::with_tolerance(m, tolerance) {
+        if let Ok(inertia) = InertiaTensor::within_tolerance(m, tolerance) {
             prop_assert!(inertia.inverse().is_finite());
             prop_assert!(inertia.principal().moments.min_element() > 0.0);
             prop_assert!(inertia.principal().axes.is_finite());

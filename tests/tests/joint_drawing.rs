@@ -32,7 +32,11 @@ impl Drawn {
     fn of(free: Axes, shift: DVec3, turn: DQuat, limits: Limits) -> Self {
         let mut world = World::new();
         let mut body = |position: Vec3, orientation: Quat| {
-            let body = RigidBody::new(Shape::sphere(0.1)).mass(1.0).position(position).orientation(orientation);
+            let body = RigidBody::new(Shape::sphere(0.1))
+                .without_collider()
+                .mass(1.0)
+                .position(position)
+                .orientation(orientation);
             body.build().unwrap().spawn(&mut world)
         };
         let (position, orientation) = (Vec3::new(1.0, -2.0, 0.5), Quat::from_rotation_y(0.7));
@@ -43,7 +47,7 @@ impl Drawn {
         let real = |vector: DVec3| Vec3::from_array(vector.to_array().map(|number| number as Real));
         let turned = (to_world * turn).to_array().map(|number| number as Real);
         let second = body(real(origin + to_world * shift), Quat::from_array(turned));
-        let joint = Joint::with_free(first, second, free).with_frames(frame, Pose::default());
+        let joint = Joint::free_along(first, second, free).with_frames(frame, Pose::default());
         world.spawn((joint, limits));
         let mut lines = Vec::new();
         let view = DebugView { joints: Some(RADIUS as Real), ..DebugView::nothing() };
@@ -195,7 +199,8 @@ fn what_does_nothing_is_not_drawn() {
     assert!(!locked.has(DebugView::LIMIT));
 
     let mut world = World::new();
-    let mut body = || RigidBody::new(Shape::sphere(0.1)).mass(1.0).build().unwrap().spawn(&mut world);
+    let mut body =
+        || RigidBody::new(Shape::sphere(0.1)).without_collider().mass(1.0).build().unwrap().spawn(&mut world);
     let (a, b) = (body(), body());
     let joint = world.spawn((Joint::ball(a, b), Breakable::at_force(1.0)));
     let count = |world: &World| {

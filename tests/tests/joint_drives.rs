@@ -314,7 +314,7 @@ fn a_slide_sticks_and_slides_on_a_slope() {
     for (friction, acceleration) in [(9.9, 0.0), (9.7, 0.055), (5.0, 2.405), (0.0, 4.905)] {
         let mut rig = Rig::new(down(), 1.0 / 60.0, 4);
         let ground = rig.ground();
-        let block = rig.spawn(RigidBody::new(Shape::cuboid([0.1; 3])).mass(2.0));
+        let block = rig.spawn(RigidBody::new(Shape::cuboid([0.1; 3])).without_collider().mass(2.0));
         let joint = rig.join_at(Joint::slider(ground, block), ORIGIN, slope);
         rig.world.insert_one(joint, JointFriction::along(Axes::LINEAR_X, friction)).unwrap();
         rig.run_to(2.0);
@@ -331,7 +331,7 @@ fn a_rope_breaks_by_the_load_of_the_swing() {
     for (strength, breaks) in [(2.97, true), (3.03, false)] {
         let mut rig = Rig::new(down(), 1.0 / 60.0, 8);
         let ground = rig.ground();
-        let ball = rig.spawn(RigidBody::new(Shape::sphere(0.05)).mass(2.0).position(real(DVec3::X)));
+        let ball = rig.spawn(RigidBody::new(Shape::sphere(0.05)).without_collider().mass(2.0).position(real(DVec3::X)));
         let joint = rig.join(Joint::free(ground, ball));
         let rope = (Limits::rope(1.0), Breakable::at_force((strength * 2.0 * G) as Real));
         rig.world.insert(joint, rope).unwrap();
@@ -360,7 +360,7 @@ fn a_broken_joint_can_be_mended_and_many_steps_are_single_steps() {
     let run = |at_once: bool| {
         let mut rig = Rig::new(down(), 1.0 / 60.0, 4);
         let ground = rig.ground();
-        let ball = rig.spawn(RigidBody::new(Shape::sphere(0.05)).mass(2.0).position(real(DVec3::X)));
+        let ball = rig.spawn(RigidBody::new(Shape::sphere(0.05)).without_collider().mass(2.0).position(real(DVec3::X)));
         let joint = rig.join_at(Joint::ball(ground, ball), ORIGIN, DVec3::X);
         rig.world.insert_one(joint, Breakable::at_force((2.5 * 2.0 * G) as Real)).unwrap();
         if at_once {
@@ -416,9 +416,9 @@ fn infinite_friction_holds_against_a_motor() {
 fn the_last_joint_breaks_and_goes() {
     let mut rig = Rig::new(down(), 1.0 / 60.0, 4);
     let ground = rig.ground();
-    let ball = |at: f64| RigidBody::new(Shape::sphere(0.05)).mass(2.0).position(real(DVec3::X * at));
+    let ball = |at: f64| RigidBody::new(Shape::sphere(0.05)).without_collider().mass(2.0).position(real(DVec3::X * at));
     let (held, other) = (rig.spawn(ball(1.0)), rig.spawn(ball(3.0)));
-    rig.world.spawn((Spring::between(ground, other).stiffness(100.0).rest_length(1.0),));
+    rig.world.spawn((Spring::between(ground, other).with_stiffness(100.0).with_rest_length(1.0),));
     let joint = rig.join_at(Joint::ball(ground, held), ORIGIN, DVec3::X);
     rig.world.insert_one(joint, Breakable::at_force(1e-3)).unwrap();
     rig.run_to(0.1);

@@ -18,7 +18,8 @@ fn scene() -> (World, Vec<(u64, Entity)>) {
     let hook = RigidBody::new(Shape::Point).fixed().build().unwrap().spawn(&mut world);
     for i in 0..30_u8 {
         let x = Real::from(i);
-        let bob = RigidBody::new(Shape::sphere(0.1)).mass(1.0).position(Vec3::new(x + 1.0, 0.0, 0.0));
+        let bob =
+            RigidBody::new(Shape::sphere(0.1)).without_collider().mass(1.0).position(Vec3::new(x + 1.0, 0.0, 0.0));
         let bob = bob.build().unwrap().spawn(&mut world);
         let joint = Joint::ball(hook, bob).at_point(&world, Vec3::X * x).unwrap();
         // Falling from the side it pulls at its joint up to three times its weight.

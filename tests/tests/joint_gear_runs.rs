@@ -45,7 +45,11 @@ fn clockwork(world: &mut World, seed: Option<u64>, is_geared: bool) -> Vec<Entit
     let mut joints = vec![Entity::DANGLING; 7];
     for number in order(7, seed, 0) {
         let (at, id) = (Vec3::X * number as Real, BodyId(2 + number as u64));
-        let wheel = RigidBody::new(Shape::cylinder(0.2, 0.05)).mass(1.0 + number as Real).id(id).position(at);
+        let wheel = RigidBody::new(Shape::cylinder(0.2, 0.05))
+            .without_collider()
+            .mass(1.0 + number as Real)
+            .id(id)
+            .position(at);
         let wheel = wheel.build().unwrap().spawn(world);
         let is_rack = number == 6;
         let kind = if is_rack { Joint::slider } else { Joint::hinge };

@@ -97,7 +97,9 @@ fn a_rack_carries_its_weight_on_the_pinion() {
     let ground = rig.ground();
     let pinion = rig.spawn(body(1.0, DVec3::new(0.03, 0.03, 0.05), ORIGIN));
     let hinge = rig.join_at(Joint::hinge(ground, pinion), ORIGIN, DVec3::Z);
-    let rack = rig.spawn(RigidBody::new(Shape::cuboid([0.02, 0.5, 0.02])).mass(3.0).position(real(DVec3::X * 0.1)));
+    let rack = rig.spawn(
+        RigidBody::new(Shape::cuboid([0.02, 0.5, 0.02])).without_collider().mass(3.0).position(real(DVec3::X * 0.1)),
+    );
     let slider = rig.join_at(Joint::slider(ground, rack), DVec3::X * 0.1, DVec3::Y);
     rig.world.spawn((Gear::new(hinge, slider, 0.1),));
     rig.run_to(2.0);
@@ -117,7 +119,7 @@ fn two_weights_on_a_cord_fall_by_their_difference() {
         let mut rig = Rig::new(down(), 1.0 / 60.0, 4);
         let ground = rig.ground();
         let masses = [0, 1].map(|_| draw.log_between(1e-2, 1e2));
-        let weights = masses.map(|mass| rig.spawn(RigidBody::new(Shape::sphere(0.1)).mass(mass)));
+        let weights = masses.map(|mass| rig.spawn(RigidBody::new(Shape::sphere(0.1)).without_collider().mass(mass)));
         let sliders = weights.map(|weight| rig.join_at(Joint::slider(ground, weight), ORIGIN, DVec3::Y));
         rig.world.spawn((Gear::new(sliders[0], sliders[1], -1.0),));
         rig.run_to(1.0);
@@ -255,7 +257,9 @@ fn a_rack_goes_to_its_offset_at_three_metres_a_second() {
         let ground = rig.ground();
         let pinion = rig.spawn(body(1.0, DVec3::new(0.03, 0.03, 0.05), ORIGIN));
         let hinge = rig.join_at(Joint::hinge(ground, pinion), ORIGIN, DVec3::Z);
-        let rack = rig.spawn(RigidBody::new(Shape::cuboid([0.02, 0.5, 0.02])).mass(draw.log_between(0.1, 10.0)));
+        let rack = rig.spawn(
+            RigidBody::new(Shape::cuboid([0.02, 0.5, 0.02])).without_collider().mass(draw.log_between(0.1, 10.0)),
+        );
         let slider = rig.join_at(Joint::slider(ground, rack), ORIGIN, DVec3::Y);
         let (ratio, offset) = (draw.between(0.05, 0.5), draw.between(0.4, 2.0));
         let gear = Gear { offset: offset as Real, ..Gear::new(hinge, slider, ratio as Real) };

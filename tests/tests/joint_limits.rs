@@ -165,7 +165,9 @@ fn a_rope_is_slack_and_taut_and_makes_no_energy() {
         let mut rig = Rig::new(down(), 1.0 / 60.0, 4);
         let ground = rig.ground();
         let begin = draw.direction() * (length * draw.between(0.1, 0.95));
-        let ball = rig.spawn(RigidBody::new(Shape::sphere((0.05 * length) as Real)).mass(3.0).position(real(begin)));
+        let ball = rig.spawn(
+            RigidBody::new(Shape::sphere((0.05 * length) as Real)).without_collider().mass(3.0).position(real(begin)),
+        );
         let joint = rig.join(Joint::free(ground, ball));
         rig.world.insert_one(joint, Limits::rope(length as Real)).unwrap();
         let (mut before, mut is_taut) = (rig.energy(), false);
@@ -272,7 +274,7 @@ fn nothing_leaves_a_cone() {
 fn a_soft_limit_gives_by_load_over_stiffness() {
     let mut rig = Rig::new(down(), 1.0 / 60.0, 4);
     let ground = rig.ground();
-    let block = rig.spawn(RigidBody::new(Shape::cuboid([0.1; 3])).mass(50.0));
+    let block = rig.spawn(RigidBody::new(Shape::cuboid([0.1; 3])).without_collider().mass(50.0));
     let joint = rig.join_at(Joint::slider(ground, block), ORIGIN, DVec3::Y);
     let limits = Limits::along(Axes::LINEAR_X, limit(-0.5, 0.5).with_stiffness(2e4, 800.0));
     rig.world.insert_one(joint, limits).unwrap();
@@ -338,7 +340,7 @@ fn limits_work_on_frames_that_are_turned() {
 fn a_free_joint_without_limits_does_nothing() {
     let mut rig = Rig::new(down(), 1.0 / 60.0, 4);
     let ground = rig.ground();
-    let ball = rig.spawn(RigidBody::new(Shape::sphere(0.1)).mass(3.0));
+    let ball = rig.spawn(RigidBody::new(Shape::sphere(0.1)).without_collider().mass(3.0));
     rig.join(Joint::free(ground, ball));
     rig.run_to(1.0);
     assert!((rig.velocity(ball) + DVec3::Y * G).length() < 1e-4);

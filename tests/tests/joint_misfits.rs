@@ -41,7 +41,12 @@ fn door(draw: &mut Draw, misfit: f64) -> Case {
     let mut rig = Rig::new(gravity, dt, 1 + draw.log_between(1.0, 12.0) as u32);
     let frame = if is_free {
         let shape = Shape::cuboid(DVec3::new(0.3, 1.0, 0.2) * size * 0.5);
-        rig.spawn(RigidBody::new(shape).mass(draw.log_between(0.3, 30.0)).position(real(DVec3::X * -0.2 * size)))
+        rig.spawn(
+            RigidBody::new(shape)
+                .without_collider()
+                .mass(draw.log_between(0.3, 30.0))
+                .position(real(DVec3::X * -0.2 * size)),
+        )
     } else {
         rig.ground()
     };
@@ -49,7 +54,7 @@ fn door(draw: &mut Draw, misfit: f64) -> Case {
     let center = DVec3::X * 0.45 * size;
     let rate = draw.between(-1.0, 1.0) * (9.8 / size).sqrt();
     let shape = Shape::cuboid(half);
-    let leaf = RigidBody::new(shape).mass(draw.log_between(0.3, 30.0)).position(real(center));
+    let leaf = RigidBody::new(shape).without_collider().mass(draw.log_between(0.3, 30.0)).position(real(center));
     let leaf = rig.spawn(turning_about(leaf, center, ORIGIN, DVec3::Y * rate));
     let hinges = 2 + usize::from(draw.often(0.3));
     for number in 0..hinges {
@@ -231,7 +236,10 @@ fn friction_beside_bounds(case: u64) -> f64 {
     let mut rig = Rig::new(gravity, 1.0 / draw.log_between(50.0, 250.0), 1 + draw.log_between(1.0, 8.0) as u32);
     let spawn = |rig: &mut Rig, draw: &mut Draw, at: DVec3| {
         let edges = DVec3::new(draw.log_between(0.1, 1.0), draw.log_between(0.1, 1.0), draw.log_between(0.1, 1.0));
-        let it = RigidBody::new(Shape::cuboid(edges * size)).mass(draw.log_between(0.1, 10.0)).position(real(at));
+        let it = RigidBody::new(Shape::cuboid(edges * size))
+            .without_collider()
+            .mass(draw.log_between(0.1, 10.0))
+            .position(real(at));
         let it = it.orientation(real_quat(draw.orientation())).angular_velocity(real(draw.vector(5.0)));
         rig.spawn(it)
     };
@@ -276,7 +284,7 @@ fn ropes(draw: &mut Draw) -> (Rig, Vec<Entity>) {
     for _ in 0..1 + draw.between(0.0, 3.99) as usize {
         let is_point = draw.often(0.3);
         let shape = if is_point { Shape::Point } else { Shape::cuboid(DVec3::new(0.3, 0.2, 0.1) * size) };
-        let it = RigidBody::new(shape).mass(draw.log_between(0.01, 100.0));
+        let it = RigidBody::new(shape).without_collider().mass(draw.log_between(0.01, 100.0));
         let it = it.position(real(draw.vector(2.0 * size))).linear_velocity(real(draw.vector(3.0 * size)));
         bodies.push(rig.spawn(it));
     }

@@ -37,7 +37,7 @@ fn of_kind(kind: &str, ground: Entity, it: Entity) -> (Joint, DQuat) {
         "universal" => (Joint::universal(ground, it), DQuat::IDENTITY),
         "spherical" => (Joint::ball(ground, it), DQuat::IDENTITY),
         // A link without mass that turns about z.
-        "revolute_spherical" => (Joint::with_free(ground, it, in_plane), DQuat::IDENTITY),
+        "revolute_spherical" => (Joint::free_along(ground, it, in_plane), DQuat::IDENTITY),
         _ => (Joint::free(ground, it), DQuat::IDENTITY),
     }
 }

@@ -26,7 +26,7 @@ fn rotation(axis: usize) -> Axes {
 }
 
 fn universal(a: Entity, b: Entity, [i, j]: [usize; 2]) -> Joint {
-    Joint::with_free(a, b, rotation(i) | rotation(j))
+    Joint::free_along(a, b, rotation(i) | rotation(j))
 }
 
 /// Of the second frame against the first.

@@ -208,7 +208,7 @@ fn far_from_the_origin_nothing_shakes() {
 
 fn rod_on_a_hinge(world: &mut World) -> [Entity; 3] {
     let beam = RigidBody::new(Shape::Point).fixed().build().unwrap().spawn(world);
-    let rod = RigidBody::new(Shape::cuboid([0.5, 0.02, 0.02])).mass(1.0).position(Vec3::X * 0.5);
+    let rod = RigidBody::new(Shape::cuboid([0.5, 0.02, 0.02])).without_collider().mass(1.0).position(Vec3::X * 0.5);
     let rod = rod.build().unwrap().spawn(world);
     let joint = Joint::hinge(beam, rod).at(world, Vec3::ZERO, Vec3::Z).unwrap();
     [beam, rod, world.spawn((joint, JointLoad::default()))]
@@ -263,7 +263,8 @@ fn jointed_bodies_touch_only_where_asked() {
         let mut world = World::new();
         let shape = Shape::cuboid([0.5, 0.5, 0.5]);
         let cube = |world: &mut World, x: Real| {
-            let body = RigidBody::new(shape.clone()).mass(1.0).position(Vec3::X * x).build().unwrap();
+            let body =
+                RigidBody::new(shape.clone()).without_collider().mass(1.0).position(Vec3::X * x).build().unwrap();
             body.spawn_with(world, (Collider::new(&shape).unwrap(),))
         };
         let [a, b] = [cube(&mut world, 0.0), cube(&mut world, 0.9)];
@@ -286,7 +287,7 @@ fn what_is_jointed_falls_and_rests() {
     let mut last = None;
     for i in 0..8 {
         let at = Vec3::new(i as Real * 0.5, 1.0 + 0.1 * i as Real, 0.0);
-        let body = RigidBody::new(shape.clone()).mass(1.0).position(at).build().unwrap();
+        let body = RigidBody::new(shape.clone()).without_collider().mass(1.0).position(at).build().unwrap();
         let body = body.spawn_with(&mut world, (Collider::new(&shape).unwrap(),));
         if let Some(last) = last {
             let joint = Joint::ball(last, body).at_point(&world, at - Vec3::X * 0.25).unwrap();

@@ -32,7 +32,11 @@ fn turned() -> Quat {
 fn a_fixed_body_does_not_move() {
     for mut simulation in simulations() {
         let mut world = World::new();
-        let body = RigidBody::new(Shape::cuboid([1.0, 2.0, 3.0])).fixed().position(Vec3::ONE).orientation(turned());
+        let body = RigidBody::new(Shape::cuboid([1.0, 2.0, 3.0]))
+            .without_collider()
+            .fixed()
+            .position(Vec3::ONE)
+            .orientation(turned());
         assert_eq!(body.clone().linear_velocity(Vec3::X).build().unwrap_err().field(), "linear_velocity");
         let entity = body.build().unwrap().spawn(&mut world);
         let before = pose(&world, entity);
@@ -53,7 +57,7 @@ fn a_kinematic_body_turns_exactly() {
     for (dt, steps) in [(1e-3, 1000), (1.0 / 60.0, 600), (1.0, 10), (20.0, 5)] {
         for rate in [1e-6, 0.5, 3.0, 100.0] {
             let mut world = World::new();
-            let body = RigidBody::new(Shape::sphere(1.0)).kinematic().orientation(turned());
+            let body = RigidBody::new(Shape::sphere(1.0)).without_collider().kinematic().orientation(turned());
             let entity = body.angular_velocity(axis * rate).build().unwrap().spawn(&mut world);
             let mut simulation = Simulation::new(Settings::default().with_dt(dt)).unwrap();
             for _ in 0..steps {
@@ -95,7 +99,7 @@ fn a_kinematic_body_moves_as_told_whatever_pushes_it() {
 #[test]
 fn a_body_changes_kind_with_its_components() {
     let mut world = World::new();
-    let entity = RigidBody::new(Shape::sphere(0.5)).mass(1.0).build().unwrap().spawn(&mut world);
+    let entity = RigidBody::new(Shape::sphere(0.5)).without_collider().mass(1.0).build().unwrap().spawn(&mut world);
     let mut simulation = Simulation::new(Settings::default()).unwrap();
     simulation.step(&mut world);
     let falling = pose(&world, entity);
@@ -113,7 +117,10 @@ fn a_body_changes_kind_with_its_components() {
 /// needs, or a kinematic body's two, go anywhere.
 #[test]
 fn any_part_of_a_body_is_taken_as_it_is() {
-    let whole = RigidBody::new(Shape::cone(0.3, 0.5)).mass(2.0).damping(Damping { linear: 0.1, angular: 0.1 });
+    let whole = RigidBody::new(Shape::cone(0.3, 0.5))
+        .without_collider()
+        .mass(2.0)
+        .damping(Damping { linear: 0.1, angular: 0.1 });
     let whole = whole.linear_velocity(Vec3::X).angular_velocity(Vec3::ONE).gravity_scale(0.5).interpolated();
     let whole = whole.build().unwrap();
     // Where bodies may act on each other, steps go another way. These do not: they touch no one and
@@ -250,6 +257,7 @@ fn a_thin_rod_has_the_angular_velocity_it_was_given() {
         across[long] = 0.0;
         let mut world = World::new();
         let rod = RigidBody::new(Shape::cuboid(half_extents))
+            .without_collider()
             .mass(1.0)
             .orientation(Quat::from_axis_angle(Vec3::from(along), 0.7))
             .angular_velocity(Vec3::from(across))

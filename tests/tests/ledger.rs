@@ -68,6 +68,7 @@ impl ForceLaw for Drag {
 
 fn body() -> RigidBody {
     RigidBody::new(Shape::cuboid([0.3, 0.5, 0.8]))
+        .without_collider()
         .mass(1.5)
         .position(Vec3::new(0.5, 1.0, -0.3))
         .linear_velocity(Vec3::new(1.0, 0.5, -2.0))
@@ -423,7 +424,8 @@ fn laws_past_the_last_account_share_it() {
 #[test]
 fn works_that_are_known() {
     let mut world = World::new();
-    let pushed = RigidBody::new(Shape::cuboid([0.3, 0.5, 0.8])).mass(1.5).build().unwrap().spawn(&mut world);
+    let pushed =
+        RigidBody::new(Shape::cuboid([0.3, 0.5, 0.8])).without_collider().mass(1.5).build().unwrap().spawn(&mut world);
     let mut simulation = simulation(MoserVeselov, Vec3::ZERO, 0.01);
     let mut ledger = Ledger::attach(&mut world, &simulation);
     for _ in 0..100 {
@@ -445,8 +447,10 @@ fn works_that_are_known() {
     for integrator in Integrator::ALL {
         let mut world = World::new();
         // Spins about a principal axis, so that no integrator makes energy of its own.
-        let damped =
-            RigidBody::new(Shape::cuboid([0.3, 0.5, 0.8])).mass(1.5).damping(Damping { linear: 0.5, angular: 2.0 });
+        let damped = RigidBody::new(Shape::cuboid([0.3, 0.5, 0.8]))
+            .without_collider()
+            .mass(1.5)
+            .damping(Damping { linear: 0.5, angular: 2.0 });
         let damped = damped.linear_velocity(Vec3::X * 3.0).angular_velocity(Vec3::Z * 4.0);
         damped.build().unwrap().spawn(&mut world);
         let mut simulation = self::simulation(integrator, Vec3::ZERO, 0.01);

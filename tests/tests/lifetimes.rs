@@ -18,7 +18,8 @@ const DT: Real = 1.0 / 64.0;
 
 /// Two kilograms, moving and spinning, so that everything that can act on it does.
 fn spawn(world: &mut World) -> Entity {
-    let body = RigidBody::new(Shape::cuboid([0.5, 0.6, 0.7])).mass(2.0).position(Vec3::new(1.0, 0.25, 0.0));
+    let body =
+        RigidBody::new(Shape::cuboid([0.5, 0.6, 0.7])).without_collider().mass(2.0).position(Vec3::new(1.0, 0.25, 0.0));
     let body = body.linear_velocity(Vec3::X * 2.0).angular_velocity(Vec3::Z * 3.0).gravity_scale(0.0);
     body.build().unwrap().spawn(world)
 }
@@ -38,13 +39,17 @@ fn in_substeps(integrator: Integrator, substeps: u32) -> Simulation {
 /// stepped from kick to kick then.
 fn couple(world: &mut World) {
     let mut far = |x: Real| {
-        let body = RigidBody::new(Shape::sphere(0.1)).mass(1.0).position(Vec3::new(x, 0.0, 1e3)).gravity_scale(0.0);
+        let body = RigidBody::new(Shape::sphere(0.1))
+            .without_collider()
+            .mass(1.0)
+            .position(Vec3::new(x, 0.0, 1e3))
+            .gravity_scale(0.0);
         let body = body.build().unwrap().spawn(world);
         world.insert_one(body, GravityMass::new(1.0)).unwrap();
         body
     };
     let (a, b) = (far(0.0), far(2.0));
-    world.spawn((Spring::between(a, b).stiffness(10.0).rest_length(1.0),));
+    world.spawn((Spring::between(a, b).with_stiffness(10.0).with_rest_length(1.0),));
 }
 
 /// The force acts for a step, however many substeps it has: the momentum has `F dt` more, exactly,
@@ -55,8 +60,13 @@ fn a_wrench_acts_in_one_step() {
     for integrator in Integrator::ALL {
         for (substeps, coupled) in [(1, false), (4, false), (1, true), (4, true)] {
             let mut world = World::new();
-            let body =
-                RigidBody::new(Shape::sphere(0.5)).mass(2.0).gravity_scale(0.0).build().unwrap().spawn(&mut world);
+            let body = RigidBody::new(Shape::sphere(0.5))
+                .without_collider()
+                .mass(2.0)
+                .gravity_scale(0.0)
+                .build()
+                .unwrap()
+                .spawn(&mut world);
             if coupled {
                 couple(&mut world);
             }
@@ -166,7 +176,7 @@ fn forces_between_bodies_act_until_they_are_removed() {
             (before[0] != after[0], before[1] != after[1])
         };
         assert_eq!(changes(&mut world), (false, false), "{integrator}");
-        let spring = world.spawn((Spring::between(a, b).stiffness(5.0),));
+        let spring = world.spawn((Spring::between(a, b).with_stiffness(5.0),));
         (0..5).for_each(|_| assert_eq!(changes(&mut world), (true, true), "{integrator}: spring"));
         world.despawn(spring).unwrap();
         assert_eq!(changes(&mut world), (false, false), "{integrator}: spring");

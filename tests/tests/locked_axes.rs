@@ -51,6 +51,7 @@ fn what_is_free_moves_on() {
         let spin = draw.direction() * draw.log_between(0.1, 20.0);
         let position = draw.direction() * draw.between(0.0, 10.0);
         let body = RigidBody::new(Shape::cuboid(half))
+            .without_collider()
             .mass(draw.log_between(1e-3, 1e3))
             .position(narrow(position))
             .orientation(narrow_quat(draw.orientation()))
@@ -106,7 +107,8 @@ fn one_free_axis_is_a_hinge() {
         let others = Axes::EACH.into_iter().filter(|it| *it != free).fold(Axes::NONE, Axes::with);
         let half = [(); 3].map(|()| draw.log_between(0.05, 1.0));
         let (mass, orientation) = (draw.log_between(0.1, 10.0), draw.orientation());
-        let body = RigidBody::new(Shape::cuboid(half)).mass(mass).orientation(narrow_quat(orientation));
+        let body =
+            RigidBody::new(Shape::cuboid(half)).without_collider().mass(mass).orientation(narrow_quat(orientation));
         let mut world = World::new();
         let it = body.build().unwrap().spawn_with(&mut world, (LockedAxes(others),));
         let unit = [glam::DVec3::X, glam::DVec3::Y, glam::DVec3::Z][axis];
@@ -319,7 +321,7 @@ fn works_add_up() {
             world.insert_one(*body, LockedAxes(some_axes(&mut draw))).unwrap();
         }
         for pair in bodies.chunks_exact(2).take(5) {
-            world.spawn((Spring::between(pair[0], pair[1]).stiffness(100.0),));
+            world.spawn((Spring::between(pair[0], pair[1]).with_stiffness(100.0),));
         }
         let mut simulation = Simulation::new(Settings::default()).unwrap();
         let mut ledger = Ledger::attach(&mut world, &simulation);

@@ -64,7 +64,11 @@ impl Chain {
                 DQuat::from_rotation_z(draw.between(-3.0, 3.0)) * DQuat::from_rotation_x(draw.between(-3.0, 3.0));
             let mass = draw.log_between(1.0, self.mass_ratio);
             let [x, y, spin] = [(); 3].map(|()| draw.between(-1.0, 1.0) * (9.81 * size).sqrt());
-            let body = RigidBody::new(Shape::cuboid(half)).mass(mass).position(vector(at)).orientation(real_quat(turn));
+            let body = RigidBody::new(Shape::cuboid(half))
+                .without_collider()
+                .mass(mass)
+                .position(vector(at))
+                .orientation(real_quat(turn));
             let moves = [DVec3::new(x, y, 0.0), DVec3::Z * spin / size].map(vector);
             let body = match link {
                 0 if self.is_fixed => body.fixed(),
@@ -230,17 +234,21 @@ fn a_locked_axis_is_a_wall() {
             let mut world = World::new();
             let cube = Shape::cuboid([0.5; 3]);
             let surface = surfaced(collider(&cube), material);
-            let body = RigidBody::new(cube).mass(1.0);
+            let body = RigidBody::new(cube).without_collider().mass(1.0);
             let body = if is_locked { body } else { body.fixed() };
             let wall = body.build().unwrap().spawn_with(&mut world, (surface,));
-            let hung = RigidBody::new(Shape::cuboid([0.2; 3])).mass(2.0).position(Vec3::Y * -2.0);
+            let hung = RigidBody::new(Shape::cuboid([0.2; 3])).without_collider().mass(2.0).position(Vec3::Y * -2.0);
             let hung = hung.build().unwrap().spawn(&mut world);
             world.spawn((Joint::ball(wall, hung).at(&world, Vec3::Y * -1.0, Vec3::X).unwrap(),));
             if is_locked {
                 world.insert_one(wall, LockedAxes(Axes::LINEAR | Axes::ANGULAR)).unwrap();
             }
             let shape = Shape::sphere(0.3);
-            let ram = RigidBody::new(shape.clone()).mass(heavy).position(Vec3::new(aside as Real, 0.0, -1.2));
+            let ram = RigidBody::new(shape.clone()).without_collider().mass(heavy).position(Vec3::new(
+                aside as Real,
+                0.0,
+                -1.2,
+            ));
             let ram = ram.linear_velocity(Vec3::Z * speed as Real).angular_velocity(vector(spin));
             let ram = ram.build().unwrap().spawn_with(&mut world, (surfaced(collider(&shape), material),));
             let mut simulation = simulation(DVec3::ZERO, 4);

@@ -36,7 +36,8 @@ fn kept(world: &World, body: Entity) -> [DVec3; 3] {
 fn momentum_and_frame_are_kept() {
     let mut rng = Rng::new(11);
     let mut world = World::new();
-    let body = RigidBody::new(Shape::cuboid([0.3, 0.4, 0.5])).mass(2.0).position(Vec3::new(1.0, -2.0, 0.5));
+    let body =
+        RigidBody::new(Shape::cuboid([0.3, 0.4, 0.5])).without_collider().mass(2.0).position(Vec3::new(1.0, -2.0, 0.5));
     let body = body.linear_velocity(Vec3::new(1.0, 2.0, -1.0)).angular_velocity(Vec3::new(0.5, 3.0, -1.0));
     let body = body.interpolated().build().unwrap().spawn(&mut world);
     let mut simulation = weightless(Integrator::MoserVeselov, 1.0 / 64.0);
@@ -70,8 +71,8 @@ fn momentum_and_frame_are_kept() {
 #[test]
 fn what_cannot_be_changed_stays() {
     let mut world = World::new();
-    let body = RigidBody::new(Shape::sphere(1.0)).mass(1.0).build().unwrap().spawn(&mut world);
-    let wall = RigidBody::new(Shape::sphere(1.0)).fixed().build().unwrap().spawn(&mut world);
+    let body = RigidBody::new(Shape::sphere(1.0)).without_collider().mass(1.0).build().unwrap().spawn(&mut world);
+    let wall = RigidBody::new(Shape::sphere(1.0)).without_collider().fixed().build().unwrap().spawn(&mut world);
     let ball = Shape::sphere(1.0).mass_properties(tumble::Amount::Mass(1.0)).unwrap();
     assert_eq!(change_mass_properties(&mut world, wall, &ball), Err(ChangeMassError::NotMoving(wall)));
     let before = kept(&world, body);
@@ -92,7 +93,11 @@ fn what_cannot_be_changed_stays() {
 #[test]
 fn the_books_have_what_happens_between_steps() {
     let mut world = World::new();
-    let ball = RigidBody::new(Shape::sphere(0.5)).mass(2.0).linear_velocity(Vec3::X).angular_velocity(Vec3::Y * 2.0);
+    let ball = RigidBody::new(Shape::sphere(0.5))
+        .without_collider()
+        .mass(2.0)
+        .linear_velocity(Vec3::X)
+        .angular_velocity(Vec3::Y * 2.0);
     let ball = ball.build().unwrap().spawn(&mut world);
     let mut simulation = weightless(Integrator::MoserVeselov, 1.0 / 64.0);
     let mut ledger = Ledger::attach(&mut world, &simulation);
@@ -125,7 +130,7 @@ fn what_is_accepted_with_a_tolerance_makes_a_body() {
         let turn = rng.orientation();
         let r = DMat3::from_quat(tumble_tests::dquat(turn).normalize());
         let matrix = r * DMat3::from_diagonal(DVec3::new(x, y, z)) * r.transpose();
-        let tensor = InertiaTensor::with_tolerance(matrix, 3e-3).unwrap();
+        let tensor = InertiaTensor::within_tolerance(matrix, 3e-3).unwrap();
         assert!(tensor.matrix().abs_diff_eq(matrix, 1e-15), "it is kept as it was given");
         let possible = tensor.nearest_possible().principal().moments;
         let over = 2.0 * possible.max_element() - possible.element_sum();
@@ -137,9 +142,9 @@ fn what_is_accepted_with_a_tolerance_makes_a_body() {
         for (given, found) in given.into_iter().zip(found) {
             assert!((given - found).abs() <= 1.01e-3 * z, "{case}: {given} {found}");
         }
-        RigidBody::new(Shape::sphere(1.0)).mass(1.0).inertia(tensor).build().unwrap();
+        RigidBody::new(Shape::sphere(1.0)).without_collider().mass(1.0).inertia(tensor).build().unwrap();
         assert!(MassProperties::new(1.0, [0.0; 3], tensor).unwrap().inertia().is_ok());
-        Inertia::with_tolerance([x, y, z], 3e-3).unwrap();
+        Inertia::within_tolerance([x, y, z], 3e-3).unwrap();
         assert!(excess < 2e-6 || Inertia::new([x, y, z]).is_err());
     }
 }

@@ -32,12 +32,12 @@ fn world() -> World {
             _ => Shape::capsule(0.1, 0.1),
         };
         let place = Vec3::new((id % 3) as Real * 0.4, 0.2 + (id / 3 % 7) as Real * 0.35, 0.0);
-        let body = RigidBody::new(shape.clone()).mass(1.0).id(BodyId(id)).position(place);
+        let body = RigidBody::new(shape.clone()).without_collider().mass(1.0).id(BodyId(id)).position(place);
         let body = body.linear_velocity(rng.vector(-1.0, 1.0)).angular_velocity(rng.vector(-3.0, 3.0));
         heap.push(spawn(&mut world, body, collider(&shape)));
     }
     for pair in heap.chunks(2).filter(|pair| pair.len() == 2) {
-        world.spawn((Spring::between(pair[0], pair[1]).stiffness(50.0).damping(0.5),));
+        world.spawn((Spring::between(pair[0], pair[1]).with_stiffness(50.0).with_damping(0.5),));
         world.insert_one(pair[0], GravityMass::new(0.1)).unwrap();
     }
     world

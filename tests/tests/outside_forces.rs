@@ -25,18 +25,23 @@ impl ForceLaw for Tide {
 
 fn scene() -> World {
     let mut world = World::new();
-    let wall = RigidBody::new(Shape::sphere(0.2)).fixed().position(Vec3::new(0.0, 2.0, 0.0)).build().unwrap();
+    let wall = RigidBody::new(Shape::sphere(0.2))
+        .without_collider()
+        .fixed()
+        .position(Vec3::new(0.0, 2.0, 0.0))
+        .build()
+        .unwrap();
     let mut bodies = vec![wall.spawn(&mut world)];
     for i in 0..4_u8 {
         let x = Real::from(i);
-        let body = RigidBody::new(Shape::cuboid([0.2, 0.3, 0.25])).mass(1.0 + 0.5 * f64::from(i));
+        let body = RigidBody::new(Shape::cuboid([0.2, 0.3, 0.25])).without_collider().mass(1.0 + 0.5 * f64::from(i));
         let body = body.position(Vec3::new(x, 0.3 * x * x, 0.2)).linear_velocity(Vec3::new(0.5, -x, 1.0));
         bodies.push(body.angular_velocity(Vec3::new(1.0, x, -0.5)).build().unwrap().spawn(&mut world));
     }
     for pair in [[0, 1], [1, 2], [3, 2], [4, 1]] {
         let [a, b] = pair.map(|i| bodies[i]);
         let spring = Spring::between(a, b).attached_at(Vec3::new(0.1, -0.05, 0.0), Vec3::new(0.0, 0.1, 0.15));
-        world.spawn((spring.stiffness(40.0).rest_length(0.7).damping(0.3),));
+        world.spawn((spring.with_stiffness(40.0).with_rest_length(0.7).with_damping(0.3),));
     }
     for (i, body) in bodies[1..].iter().enumerate() {
         world.insert_one(*body, GravityMass { mu: 2.0 + i as Real, softening: 0.4 }).unwrap();

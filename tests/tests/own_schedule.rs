@@ -44,7 +44,8 @@ fn scene(case: u64) -> World {
         let size = draw.log_between(0.1, 1.0);
         let shape = if draw.often(0.5) { Shape::sphere(size) } else { cube(size) };
         let at = draw.vector(3.0).as_vec3() + glam::Vec3::Y * 3.0;
-        let mut body = RigidBody::new(shape.clone()).density(500.0).id(BodyId(i)).position(vector(at));
+        let mut body =
+            RigidBody::new(shape.clone()).without_collider().density(500.0).id(BodyId(i)).position(vector(at));
         body = body.angular_velocity(vector(draw.vector(3.0).as_vec3()));
         if draw.often(0.15) {
             body = body.kinematic();
@@ -62,7 +63,7 @@ fn scene(case: u64) -> World {
     }
     if draw.often(0.5) {
         for pair in bodies.windows(2).step_by(5) {
-            world.spawn((Spring::between(pair[0], pair[1]).stiffness(40.0).damping(1.0),));
+            world.spawn((Spring::between(pair[0], pair[1]).with_stiffness(40.0).with_damping(1.0),));
         }
     }
     if draw.often(0.3) {

@@ -11,7 +11,7 @@ use tumble::PhaseTimes;
 use tumble::prelude::*;
 
 fn ball() -> RigidBody {
-    RigidBody::new(Shape::sphere(0.5)).mass(1.0)
+    RigidBody::new(Shape::sphere(0.5)).without_collider().mass(1.0)
 }
 
 /// Of a hundred steps of a world, and how long they took.

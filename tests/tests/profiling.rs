@@ -62,7 +62,7 @@ impl ForceLaw for Still {
 
 fn world() -> World {
     let mut world = World::new();
-    RigidBody::new(Shape::sphere(1.0)).mass(1.0).build().unwrap().spawn(&mut world);
+    RigidBody::new(Shape::sphere(1.0)).without_collider().mass(1.0).build().unwrap().spawn(&mut world);
     world
 }
 

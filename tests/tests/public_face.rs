@@ -1,6 +1,7 @@
 //! Promise: what a newcomer sees first is there and true: every public type and function that a
-//! library re-exports has an example, and the program in the guide to embedding is the one that is
-//! compiled.
+//! library re-exports has an example, the program in the guide to embedding is the one that is
+//! compiled, documents and examples import the prelude and modules of a subject, and errors print
+//! as sentences.
 //!
 //! Why: examples are what is read and copied. The other blocks of the documents are compiled as
 //! doctests; a block that needs a window cannot be. It fails when a type becomes public without an
@@ -96,10 +97,46 @@ fn the_window_of_the_guide_is_the_one_that_is_compiled() {
     assert_eq!(blocks, [read("examples/first-window/src/main.rs")]);
 }
 
+/// Lines that import from the root of the engine instead of its prelude or one of its modules.
+fn imports_of_the_root(text: &str) -> Vec<&str> {
+    let imported = text.lines().filter_map(|line| line.trim_start().strip_prefix("use tumble::"));
+    imported.filter(|path| !path.starts_with(char::is_lowercase) || !path.contains("::")).collect()
+}
+
+#[test]
+fn documents_and_examples_import_the_prelude_and_modules() {
+    let pages = std::fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path());
+    let pages = pages.filter(|path| path.extension().is_some_and(|ending| ending == "md"));
+    let programs = ["docking", "first-window", "turret"].map(|name| sources(&root().join("examples").join(name)));
+    for path in pages.chain(programs.into_iter().flatten()).chain([root().join("README.md")]) {
+        let text = std::fs::read_to_string(&path).unwrap();
+        assert_eq!(imports_of_the_root(&text), Vec::<&str>::new(), "{}", path.display());
+    }
+}
+
+/// A `main` that returns an error prints its `Debug`.
+#[test]
+fn errors_print_as_sentences() {
+    use tumble::prelude::*;
+    let printed = |error: Box<dyn std::error::Error>| format!("{error:?}");
+    let body = RigidBody::new(Shape::sphere(0.5)).mass(-1.0).build().unwrap_err();
+    assert_eq!(printed(body.into()), "mass must be positive, it is -1.0");
+    let settings = Simulation::new(Settings::default().with_dt(0.0)).unwrap_err();
+    assert_eq!(printed(settings.clone().into()), settings.to_string());
+    let collider = Collider::new(&Shape::Point).unwrap_err();
+    assert_eq!(printed(collider.into()), "a point cannot be a collider: it has no surface");
+    let mut world = hecs::World::new();
+    let ground = spawn_ground(&mut world);
+    let velocity = set_linear_velocity(&mut world, ground, Vec3::X).unwrap_err();
+    assert_eq!(printed(velocity.into()), "entity 0v1 has no Momentum: it is no body that moves");
+}
+
 /// The checks above would find what they look for.
 #[test]
 fn the_checks_themselves_work() {
     assert_eq!(reexported("mod a;\npub use a::{B, c};\n"), ["a", "B", "c"].map(str::to_owned).into());
+    let text = "use tumble::Pose;\n    use tumble::{Pose, Ray};\nuse tumble::weld;\nuse tumble::joints::Gear;";
+    assert_eq!(imports_of_the_root(text), ["Pose;", "{Pose, Ray};", "weld;"]);
     let source =
         "/// Text.\n/// ```\n/// x();\n/// ```\n#[derive(Debug)]\npub struct B(u8);\n\npub fn c() {}\nfn d() {}\n";
     let found: Vec<(&str, usize)> = items(source).map(|(name, above)| (name, above.len())).collect();

@@ -236,7 +236,7 @@ fn spacecraft_and_a_molecule() {
             let strict = InertiaTensor::new(m);
             assert!(matches!(strict, Err(InertiaError::TriangleInequality { .. })), "{strict:?}");
         }
-        let inertia = InertiaTensor::with_tolerance(m, 3e-3).unwrap();
+        let inertia = InertiaTensor::within_tolerance(m, 3e-3).unwrap();
         let principal = inertia.principal();
         check.each(name, sorted(principal.moments), vector(&body["principal"]));
         check.matrix(name, principal.matrix(), m);

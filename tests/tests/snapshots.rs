@@ -324,7 +324,7 @@ fn missing_bodies_are_named_and_the_world_stays() {
 /// One archetype of the same place among those of another world has bodies of another kind.
 #[test]
 fn a_body_of_another_kind_is_refused() {
-    let body = || RigidBody::new(Shape::sphere(0.5)).id(BodyId(9));
+    let body = || RigidBody::new(Shape::sphere(0.5)).without_collider().id(BodyId(9));
     let bodies = [
         (BodyKind::Moving, body().mass(1.0).build().unwrap()),
         (BodyKind::Kinematic, body().kinematic().build().unwrap()),
@@ -390,7 +390,7 @@ fn two_bodies_with_one_identity_are_refused() {
 #[test]
 fn bodies_that_move_need_an_identity_and_scenery_does_not() {
     let mut world = scene(0..8);
-    let anonymous = RigidBody::new(Shape::sphere(0.5));
+    let anonymous = RigidBody::new(Shape::sphere(0.5)).without_collider();
     let scenery = anonymous.clone().fixed().position(Vec3::X).build().unwrap().spawn(&mut world);
     let snapshot = Snapshot::capture(&world).unwrap();
     assert_eq!(snapshot.len(), 8);

@@ -40,21 +40,23 @@ fn components(world: &World, entity: Entity) -> String {
 /// Bodies of every kind, every fifth drawn between steps and every seventh without an identity.
 fn bodies() -> Vec<Body> {
     let body = |i: u64| match i % 35 {
-        0 | 7 | 14 | 21 | 28 => RigidBody::new(Shape::sphere(0.1 + 0.001 * i as f64)).mass(1.0).build().unwrap(),
+        0 | 7 | 14 | 21 | 28 => {
+            RigidBody::new(Shape::sphere(0.1 + 0.001 * i as f64)).without_collider().mass(1.0).build().unwrap()
+        }
         5 | 10 | 15 => {
-            let brick = RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).mass(1.0 + i as f64);
+            let brick = RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).without_collider().mass(1.0 + i as f64);
             brick.interpolated().position(Vec3::splat(i as Real)).build().unwrap()
         }
         // One whose frame is only turned, and one whose frame is only off the centre of mass.
         20 => {
             let turned = DQuat::from_rotation_x(0.3);
             let tensor = InertiaTensor::from_principal(DVec3::new(1.0, 2.0, 2.5), turned).unwrap();
-            RigidBody::new(Shape::sphere(1.0)).mass(1.0).inertia(tensor).build().unwrap()
+            RigidBody::new(Shape::sphere(1.0)).without_collider().mass(1.0).inertia(tensor).build().unwrap()
         }
         25 => {
             let ball = |mass: f64| Part::new(Shape::sphere(0.5), Amount::Mass(mass));
             let dumbbell = Shape::compound([ball(1.0), ball(2.0).at(Vec3::X * 2.0)]);
-            RigidBody::new(dumbbell).build().unwrap()
+            RigidBody::new(dumbbell).without_collider().build().unwrap()
         }
         _ => mixed_body(i),
     };
@@ -167,7 +169,13 @@ fn copies_are_the_body_in_other_states() {
 
 #[test]
 fn copies_are_drawn_where_they_are() {
-    let body = RigidBody::new(Shape::sphere(1.0)).mass(1.0).interpolated().position(Vec3::X).build().unwrap();
+    let body = RigidBody::new(Shape::sphere(1.0))
+        .without_collider()
+        .mass(1.0)
+        .interpolated()
+        .position(Vec3::X)
+        .build()
+        .unwrap();
     let mut world = World::new();
     for (entity, (pose, _)) in body.spawn_copies(&mut world, states()).into_iter().zip(states()) {
         assert_eq!(world.get::<&PreviousPose>(entity).unwrap().0, pose);
@@ -186,7 +194,7 @@ fn nothing_comes_of_nothing() {
 /// Columns of the caller's own, and rows that are too few or too many.
 #[test]
 fn copies_fill_the_batch_that_there_is() {
-    let brick = RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).mass(1.0).build().unwrap();
+    let brick = RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).without_collider().mass(1.0).build().unwrap();
     let mut types = ColumnBatchType::new();
     brick.insert_types_into(&mut types);
     types.add::<u8>();
@@ -234,7 +242,7 @@ impl ExactSizeIterator for Misstated {}
 
 #[test]
 fn a_length_that_is_not_true_does_no_harm() {
-    let brick = RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).mass(1.0).build().unwrap();
+    let brick = RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).without_collider().mass(1.0).build().unwrap();
     for (given, spawned) in [(4, 0), (5, 5), (9, 5)] {
         let mut world = World::new();
         assert_eq!(brick.spawn_copies(&mut world, Misstated(given)).len(), spawned);

@@ -47,6 +47,7 @@ fn system(world: &mut World, kind: Kind, id: u64, rng: &mut Rng) -> System {
             let size = between_powers(rng, 0.05, 2.0);
             let edges = [(); 3].map(|()| size * between_powers(rng, 0.1, 1.0));
             RigidBody::new(Shape::cuboid(edges))
+                .without_collider()
                 .mass(between_powers(rng, 1e-3, 1e6))
                 .id(BodyId(id + i as u64))
                 .position(rng.vector(-2.0, 2.0))
@@ -76,7 +77,7 @@ fn system(world: &mut World, kind: Kind, id: u64, rng: &mut Rng) -> System {
         let [a, b] = [0, 1].map(|i| world.get::<&Pose>(bodies[pair[i]]).unwrap().transform_point(hooks[i]));
         energy += 0.5 * stiffness * (dvec3(b - a).length() - f64::from(rest)).powi(2);
         let spring = Spring::between(bodies[pair[0]], bodies[pair[1]]).attached_at(hooks[0], hooks[1]);
-        world.spawn((spring.rest_length(rest).stiffness(stiffness as Real),));
+        world.spawn((spring.with_rest_length(rest).with_stiffness(stiffness as Real),));
     }
     energy += kinetic(world, &bodies);
     System { bodies, energy, stiffness }
@@ -139,11 +140,16 @@ fn other_integrators_keep_it_too() {
 fn two_cubes_at_their_corners() {
     let mut world = World::new();
     let cube = |x: Real, y: Real| {
-        RigidBody::new(Shape::cuboid([0.3; 3])).mass(100.0).position(Vec3::new(x, y, 0.0)).build().unwrap()
+        RigidBody::new(Shape::cuboid([0.3; 3]))
+            .without_collider()
+            .mass(100.0)
+            .position(Vec3::new(x, y, 0.0))
+            .build()
+            .unwrap()
     };
     let bodies = vec![cube(-1.0, 0.0).spawn(&mut world), cube(1.0, 0.2).spawn(&mut world)];
     let spring = Spring::between(bodies[0], bodies[1]).attached_at(Vec3::splat(0.3), Vec3::new(-0.3, 0.1, 0.2));
-    world.spawn((spring.stiffness(1e5),));
+    world.spawn((spring.with_stiffness(1e5),));
     let mut simulation = weightless(Integrator::MoserVeselov, DT);
     // The ends are (1.4, 0, -0.1) apart.
     let start = 0.5 * 1e5 * (1.4 * 1.4 + 0.01);

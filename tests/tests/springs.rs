@@ -24,7 +24,7 @@ use nets::{Attached, Net, Turning, net};
 const DT: Real = 1.0 / 128.0;
 
 fn ball(mass: f64, position: Vec3) -> RigidBody {
-    RigidBody::new(Shape::sphere(0.1)).mass(mass).position(position)
+    RigidBody::new(Shape::sphere(0.1)).without_collider().mass(mass).position(position)
 }
 
 fn spawn(world: &mut World, body: RigidBody) -> Entity {
@@ -59,7 +59,7 @@ fn measured_angle(integrator: Integrator, stiffness: Real, rest_length: Real, an
     let amplitude = 0.125;
     let a = spawn(&mut world, ball(1.0, -along * (0.75 * (rest_length + amplitude))));
     let b = spawn(&mut world, ball(3.0, along * (0.25 * (rest_length + amplitude))));
-    world.spawn((Spring::between(a, b).stiffness(stiffness).rest_length(rest_length),));
+    world.spawn((Spring::between(a, b).with_stiffness(stiffness).with_rest_length(rest_length),));
     let mut simulation = weightless(integrator, DT);
     let stretch = |world: &World| (position(world, b) - position(world, a)).dot(dvec3(along).normalize());
     let start = stretch(&world) - seconds(rest_length);
@@ -137,7 +137,7 @@ fn a_damper_damps_as_it_says() {
     for integrator in Integrator::ALL {
         let mut world = World::new();
         let (a, b) = (spawn(&mut world, ball(1.0, Vec3::ZERO)), spawn(&mut world, ball(3.0, Vec3::X * 1.5)));
-        world.spawn((Spring::between(a, b).stiffness(stiffness).rest_length(1.0).damping(damping),));
+        world.spawn((Spring::between(a, b).with_stiffness(stiffness).with_rest_length(1.0).with_damping(damping),));
         let mut simulation = weightless(integrator, DT);
         // 2 a second of decay, and w^2 = 100 - 4.
         let (decay, rate) = (2.0, 96.0_f64.sqrt());
@@ -323,9 +323,13 @@ fn momentum_and_angular_momentum_are_kept() {
 fn a_spring_to_a_fixed_body() {
     for integrator in [MoserVeselov, Integrator::RungeKutta4] {
         let mut world = World::new();
-        let wall = spawn(&mut world, RigidBody::new(Shape::sphere(1.0)).fixed().position(Vec3::Y * 3.0));
+        let wall =
+            spawn(&mut world, RigidBody::new(Shape::sphere(1.0)).without_collider().fixed().position(Vec3::Y * 3.0));
         let ball = spawn(&mut world, ball(2.0, Vec3::new(4.0, 3.0, 0.0)));
-        world.spawn((Spring::between(wall, ball).attached_at(Vec3::X, Vec3::ZERO).rest_length(2.0).stiffness(800.0),));
+        world.spawn((Spring::between(wall, ball)
+            .attached_at(Vec3::X, Vec3::ZERO)
+            .with_rest_length(2.0)
+            .with_stiffness(800.0),));
         let mut simulation = weightless(integrator, DT);
         for step in 1..=500 {
             simulation.step(&mut world);
@@ -344,9 +348,10 @@ fn a_spring_to_a_kinematic_body() {
     let along = Vec3::new(0.5, 2.0, 0.0);
     let swing = |step: &dyn Fn(&mut Simulation, &mut World), substeps: u32| {
         let mut world = World::new();
-        let cart = spawn(&mut world, RigidBody::new(Shape::sphere(1.0)).kinematic().linear_velocity(along));
+        let cart =
+            spawn(&mut world, RigidBody::new(Shape::sphere(1.0)).without_collider().kinematic().linear_velocity(along));
         let ball = spawn(&mut world, ball(2.0, Vec3::X * 3.0).linear_velocity(along));
-        world.spawn((Spring::between(cart, ball).rest_length(2.0).stiffness(800.0),));
+        world.spawn((Spring::between(cart, ball).with_rest_length(2.0).with_stiffness(800.0),));
         let mut simulation = weightless(MoserVeselov, DT);
         simulation.set_settings(simulation.settings().with_substeps(substeps)).unwrap();
         step(&mut simulation, &mut world);
@@ -372,7 +377,7 @@ fn a_spring_without_its_bodies_does_nothing() {
         let bodies = [0.0, 1.0, 2.5].map(|x| spawn(&mut world, ball(1.0 + f64::from(x), Vec3::X * x)));
         let spring = spoil(&mut world, bodies);
         if let Some(spring) = spring {
-            world.spawn((spring.stiffness(1e3).rest_length(0.3).damping(1.0),));
+            world.spawn((spring.with_stiffness(1e3).with_rest_length(0.3).with_damping(1.0),));
         }
         run(&mut weightless(MoserVeselov, DT), &mut world, 20);
         hash(&world)
@@ -452,13 +457,14 @@ fn energy_has_no_trend() {
     let mut world = World::new();
     let body = |x: Real| {
         RigidBody::new(Shape::cuboid([0.3, 0.5, 0.8]))
+            .without_collider()
             .mass(2.0 - f64::from(x))
             .position(Vec3::X * x)
             .angular_velocity(Vec3::new(1.0, 0.4 * x, 2.0))
     };
     let (a, b) = (spawn(&mut world, body(-1.0)), spawn(&mut world, body(1.0)));
     let hooks = (Vec3::new(0.3, 0.2, 0.0), Vec3::new(-0.2, 0.3, 0.1));
-    world.spawn((Spring::between(a, b).attached_at(hooks.0, hooks.1).rest_length(1.2).stiffness(40.0),));
+    world.spawn((Spring::between(a, b).attached_at(hooks.0, hooks.1).with_rest_length(1.2).with_stiffness(40.0),));
     let mut simulation = weightless(MoserVeselov, DT);
     let mut samples = Vec::new();
     for _ in 0..1003 {

@@ -106,7 +106,7 @@ proptest! {
         let entities: Vec<Entity> = bodies.iter().zip(0..).map(|(body, i)| {
             let shape = Shape::cone(0.5 + 0.1 * f64::from(i), 0.7);
             let q = body.orientation;
-            let body = RigidBody::new(shape)
+            let body = RigidBody::new(shape).without_collider()
                 .mass(body.properties.mass())
                 .position(real(body.position))
                 .orientation(Quat::from_xyzw(q.x as Real, q.y as Real, q.z as Real, q.w as Real))
@@ -160,6 +160,7 @@ fn apollo_lunar_module() {
         });
         let real = |v: DVec3| Vec3::new(v.x as Real, v.y as Real, v.z as Real);
         let stage = RigidBody::new(stage)
+            .without_collider()
             .inertia(inertia)
             .position(place)
             .orientation(turn)
@@ -202,7 +203,7 @@ fn apollo_lunar_module() {
 #[test]
 fn what_the_first_has_stays() {
     let mut world = World::new();
-    let body = RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).mass(1.0);
+    let body = RigidBody::new(Shape::cuboid([0.1, 0.2, 0.3])).without_collider().mass(1.0);
     let damping = Damping { linear: 0.1, angular: 0.2 };
     let first = body.clone().id(BodyId(7)).gravity_scale(0.5).damping(damping).interpolated();
     let first = first.position(Vec3::X).build().unwrap().spawn(&mut world);
@@ -220,12 +221,12 @@ fn what_the_first_has_stays() {
 #[test]
 fn what_cannot_be_welded_is_named() {
     let mut world = World::new();
-    let ball = || RigidBody::new(Shape::sphere(0.1)).mass(1.0);
+    let ball = || RigidBody::new(Shape::sphere(0.1)).without_collider().mass(1.0);
     let a = ball().build().unwrap().spawn(&mut world);
     let gone = ball().build().unwrap().spawn(&mut world);
     world.despawn(gone).unwrap();
-    let fixed = RigidBody::new(Shape::sphere(0.1)).fixed().build().unwrap().spawn(&mut world);
-    let told = RigidBody::new(Shape::sphere(0.1)).kinematic().build().unwrap().spawn(&mut world);
+    let fixed = RigidBody::new(Shape::sphere(0.1)).without_collider().fixed().build().unwrap().spawn(&mut world);
+    let told = RigidBody::new(Shape::sphere(0.1)).without_collider().kinematic().build().unwrap().spawn(&mut world);
     let nothing = world.spawn(());
     let error = |world: &World, entities: &[Entity]| weld(world, entities).unwrap_err();
     assert_eq!(error(&world, &[]), WeldError::NoBodies);

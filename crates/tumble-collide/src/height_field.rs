@@ -44,7 +44,7 @@ pub struct HeightField {
 /// let error = HeightField::new([0.0, 0.0, f64::NAN, 0.0], 2, [1.0, 1.0]).unwrap_err();
 /// assert!(matches!(error, HeightFieldError::Height { index: 2, .. }));
 /// ```
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum HeightFieldError {
     /// There are fewer than two columns or rows, or the last row is not full.
@@ -78,6 +78,8 @@ pub enum HeightFieldError {
         value: f64,
     },
 }
+
+tumble_math::debug_as_display!(HeightFieldError);
 
 impl HeightField {
     /// The most heights.

@@ -15,7 +15,7 @@ use crate::terminal::{one_line, printable, quoted};
 /// let error = Physics::from_json(r#"{ "asset": { "version": 2 } }"#, "wall.gltf").unwrap_err();
 /// assert!(error.to_string().starts_with("wall.gltf: field asset.version: "));
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FileError {
     /// The file is missing, is not a regular file or cannot be read.
@@ -95,6 +95,8 @@ pub enum FileError {
     },
 }
 
+tumble_math::debug_as_display!(FileError);
+
 /// A place in a document: a body, or the document itself, and a field of it.
 ///
 /// ```
@@ -139,7 +141,7 @@ impl fmt::Display for Place {
 ///     "a.gltf: field motion.mass: must be positive"
 /// );
 /// ```
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq)]
 pub struct FieldError {
     /// Path of the field, from what has it.
     pub field: String,
@@ -211,6 +213,8 @@ impl FieldError {
         }
     }
 }
+
+tumble_math::debug_as_display!(FieldError);
 
 impl std::error::Error for FieldError {}
 

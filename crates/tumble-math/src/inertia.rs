@@ -52,9 +52,9 @@ impl InertiaTensor {
     /// A tensor from its matrix [kg m^2], checked with [`TOLERANCE`](Self::TOLERANCE).
     ///
     /// # Errors
-    /// As [`with_tolerance`](Self::with_tolerance).
+    /// As [`within_tolerance`](Self::within_tolerance).
     pub fn new(matrix: DMat3) -> Result<Self, InertiaError> {
-        Self::with_tolerance(matrix, Self::TOLERANCE)
+        Self::within_tolerance(matrix, Self::TOLERANCE)
     }
 
     /// A tensor from its matrix [kg m^2]. Mirrored elements may differ by `relative` times the
@@ -71,7 +71,7 @@ impl InertiaTensor {
     /// # Errors
     /// [`InertiaError`] says which condition failed, with the numbers. A tolerance of NaN accepts
     /// nothing that needs one.
-    pub fn with_tolerance(matrix: DMat3, relative: f64) -> Result<Self, InertiaError> {
+    pub fn within_tolerance(matrix: DMat3, relative: f64) -> Result<Self, InertiaError> {
         let symmetric = symmetrised(matrix, relative)?;
         let moments = sorted(symmetric_eigen(symmetric).0);
         check_moments(moments, relative)?;
@@ -94,7 +94,7 @@ impl InertiaTensor {
     /// use glam::{DMat3, DVec3};
     /// // A flat plate, whose moments were published with three digits.
     /// let plate = DMat3::from_diagonal(DVec3::new(0.345, 0.653, 1.0));
-    /// let plate = InertiaTensor::with_tolerance(plate, 3e-3)?.nearest_possible();
+    /// let plate = InertiaTensor::within_tolerance(plate, 3e-3)?.nearest_possible();
     /// assert!(InertiaTensor::new(plate.matrix()).is_ok());
     /// assert!((plate.moment_about([0.0, 0.0, 1.0]) - (1.0 - 0.002 / 3.0)).abs() < 1e-15);
     /// # Ok::<(), tumble_math::InertiaError>(())

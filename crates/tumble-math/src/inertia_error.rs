@@ -11,7 +11,7 @@ use thiserror::Error;
 /// let error = InertiaTensor::from_principal([1.0, 2.0, 3.5], glam::DQuat::IDENTITY).unwrap_err();
 /// assert!(matches!(error, InertiaError::TriangleInequality { .. }));
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[derive(Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum InertiaError {
     /// An element is NaN or infinite.
@@ -86,6 +86,8 @@ pub enum InertiaError {
         offset: DVec3,
     },
 }
+
+crate::debug_as_display!(InertiaError);
 
 /// `(1.0, 2.0, 1e300)`: the shortest digits that read back the same, with an exponent where that is
 /// shorter.

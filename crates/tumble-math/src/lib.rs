@@ -44,6 +44,20 @@
 
 pub mod lane;
 
+/// Gives error types the `Debug` that they are `Display`ed by, so that a `main` which returns one
+/// ends with a sentence.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! debug_as_display {
+    ($($Error:ty),+) => {
+        $(impl std::fmt::Debug for $Error {
+            fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                std::fmt::Display::fmt(self, formatter)
+            }
+        })+
+    };
+}
+
 mod decay;
 mod free_rotation;
 mod orientation;

@@ -14,7 +14,7 @@ use crate::inertia_error::listed;
 ///     MassError::NotPositive { mass: -1.0 }
 /// );
 /// ```
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MassError {
     /// The mass is NaN or infinite.
@@ -68,3 +68,5 @@ pub enum MassError {
         hole: f64,
     },
 }
+
+crate::debug_as_display!(MassError);

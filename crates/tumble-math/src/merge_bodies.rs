@@ -83,7 +83,7 @@ pub struct WeldedBody {
 /// use tumble_math::{WeldError, weld};
 /// assert_eq!(weld([]).unwrap_err(), WeldError::NoBodies);
 /// ```
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum WeldError {
     /// There are none.
@@ -108,6 +108,8 @@ pub enum WeldError {
         velocity: DVec3,
     },
 }
+
+crate::debug_as_display!(WeldError);
 
 /// One body of several that from now on move together: a perfectly inelastic collision, or a joint
 /// that closes. Linear and angular momentum are kept.

@@ -18,7 +18,7 @@ pub const ROTATION_TOLERANCE: f64 = 2e-6;
 /// let mirror = glam::DMat3::from_diagonal(glam::DVec3::new(-1.0, 1.0, 1.0));
 /// assert_eq!(quat_from_matrix(mirror), Err(NotARotation::Reflection { determinant: -1.0 }));
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Error)]
+#[derive(Clone, Copy, PartialEq, Error)]
 #[non_exhaustive]
 pub enum NotARotation {
     /// The rows are not orthonormal within [`ROTATION_TOLERANCE`], or not finite.
@@ -34,6 +34,8 @@ pub enum NotARotation {
         determinant: f64,
     },
 }
+
+crate::debug_as_display!(NotARotation);
 
 /// The matrix of multiplication by `q` from the left, `M(q) p = q p`, with quaternions as columns
 /// `(x, y, z, w)`.

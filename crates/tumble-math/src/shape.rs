@@ -30,6 +30,7 @@ use crate::shape_error::{ShapeError, ShapeErrorReason};
 /// assert_eq!(error.to_string(), "radius must be a length from 1e-90 to 1e90 m, it is -1.0");
 /// # Ok::<(), tumble_math::ShapeError>(())
 /// ```
+#[doc(alias("box", "ball", "sphere", "cuboid", "geometry"))]
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Shape {
@@ -181,6 +182,7 @@ impl Shape {
     pub const MAX_DEPTH: usize = 32;
 
     /// A solid sphere of this radius \[m\].
+    #[doc(alias = "ball")]
     #[must_use]
     pub fn sphere(radius: impl Into<f64>) -> Self {
         Self::Sphere { radius: radius.into() }
@@ -193,6 +195,7 @@ impl Shape {
     }
 
     /// A block with these half extents \[m\].
+    #[doc(alias = "box")]
     #[must_use]
     pub fn cuboid(half_extents: impl Into<DVec3>) -> Self {
         Self::Cuboid { half_extents: half_extents.into() }
@@ -247,6 +250,7 @@ impl Shape {
     }
 
     /// What a triangle mesh bounds. A mesh in an `Arc` is shared by all shapes made of it.
+    #[doc(alias = "trimesh")]
     #[must_use]
     pub fn mesh(mesh: impl Into<Arc<SolidMesh>>) -> Self {
         Self::Mesh(mesh.into())

@@ -17,7 +17,7 @@ use crate::mass_error::MassError;
 /// let error = Shape::compound([wheel]).own_mass_properties().unwrap_err();
 /// assert_eq!(error.path(), "parts[0].radius");
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 #[non_exhaustive]
 pub struct ShapeError {
     /// In a compound, the indices that lead to the part; empty otherwise.
@@ -33,7 +33,7 @@ pub struct ShapeError {
 /// let error = Shape::Point.mass_properties(Amount::Density(1.0)).unwrap_err();
 /// assert!(matches!(error.reason, ShapeErrorReason::NoVolume { .. }));
 /// ```
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ShapeErrorReason {
     /// A length is zero, negative, not finite, or outside
@@ -85,6 +85,8 @@ pub enum ShapeErrorReason {
     #[error("must be given: only a compound knows its own")]
     NoOwnMass,
 }
+
+crate::debug_as_display!(ShapeErrorReason);
 
 impl ShapeError {
     pub(crate) fn here(reason: ShapeErrorReason) -> Self {
@@ -139,6 +141,8 @@ impl fmt::Display for ShapeError {
         }
     }
 }
+
+crate::debug_as_display!(ShapeError);
 
 impl std::error::Error for ShapeError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {

@@ -17,7 +17,7 @@ use tumble_import::{FieldError, FileError, printable};
 /// .unwrap_err();
 /// assert!(error.to_string().starts_with("wall.json: body \"brick\" (bodies[0]), field mass: "));
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
     /// The file cannot be read, is not of its format, or has an impossible value. A scene that is
@@ -62,6 +62,8 @@ pub enum SceneError {
         name: String,
     },
 }
+
+tumble_math::debug_as_display!(SceneError);
 
 /// The error of a scene or one of its bodies, in a file.
 pub(crate) fn invalid(file: &str, body: Option<(usize, Option<String>)>, error: FieldError) -> SceneError {

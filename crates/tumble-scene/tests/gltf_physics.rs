@@ -304,7 +304,7 @@ fn a_body_is_the_same_as_one_made_by_hand() {
     std::fs::write(&path, text).unwrap();
     let spawned = Spawned::of(Scene::open(&path.to_string_lossy()).unwrap());
     let mut world = World::new();
-    let by_hand = RigidBody::new(Shape::cuboid([0.5, 1.0, 2.0])).mass(2.0).id(BodyId(0));
+    let by_hand = RigidBody::new(Shape::cuboid([0.5, 1.0, 2.0])).without_collider().mass(2.0).id(BodyId(0));
     let vector = |v: [f32; 3]| tumble::math::Vec3::from_array(v.map(Into::into));
     let by_hand = by_hand.position(vector([1.0, 2.0, 3.0])).angular_velocity(vector([1.0, 2.0, 3.0]));
     by_hand.build().unwrap().spawn(&mut world);

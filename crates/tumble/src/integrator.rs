@@ -85,12 +85,14 @@ impl fmt::Display for Integrator {
 /// # use tumble::{Integrator, UnknownIntegrator};
 /// assert_eq!("euler".parse::<Integrator>(), Err(UnknownIntegrator("euler".to_owned())));
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[error("no integrator is called {0:?}; there are semi-implicit-euler, runge-kutta4 and moser-veselov")]
 pub struct UnknownIntegrator(
     /// The name.
     pub String,
 );
+
+tumble_math::debug_as_display!(UnknownIntegrator);
 
 impl FromStr for Integrator {
     type Err = UnknownIntegrator;

@@ -24,6 +24,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # Modules
+//!
+//! [`prelude`] has what most programs need. Everything is in the module of its subject: [`body`],
+//! [`components`], [`collision`], [`forces`], [`joints`], [`queries`], [`mod@step`], [`energy`],
+//! [`snapshot`], [`batch`], [`debug_draw`], [`shapes`], [`math`] and [`rotation`].
+//!
 //! # Components
 //!
 //! They are written
@@ -71,6 +77,11 @@
 //!   simulates in.
 //! - `serde`: a [`Snapshot`] in any format of serde.
 //! - `profiling`: scopes for puffin, tracy or tracing, through the crate `profiling`.
+//! - `mint`: conversions of [`math::Vec3`], [`math::Quat`] and the others from and to the types of
+//!   `mint`, which other versions of glam and other libraries convert from and to.
+//! - `tracing`: in debug builds a warning through the crate `tracing`, once per kind, of a
+//!   [`Velocity`] that is written and not read, a body without a [`Collider`] where others have
+//!   one, a mesh on a mesh, and a half-space with [`Momentum`]. A release build has none.
 
 // On docs.rs items say which feature they need.
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -82,120 +93,146 @@
     )
 )]
 
-mod batch;
-mod body;
+pub mod batch;
+pub mod body;
 mod clock;
-mod collision;
-mod components;
-mod debug_draw;
-mod energy;
+pub mod collision;
+pub mod components;
+pub mod debug_draw;
+pub mod energy;
 mod event_log;
-mod forces;
+pub mod forces;
 mod integrator;
 mod integrators;
-mod joints;
+pub mod joints;
 pub mod lane;
 pub mod math;
-mod queries;
+pub mod queries;
 mod range;
 pub mod rotation;
 mod scope;
 mod settings;
 mod simd;
-mod snapshot;
+pub mod snapshot;
 mod solver;
-mod step;
+pub mod step;
 mod storage;
 mod threads;
 
+#[doc(inline)]
 pub use batch::Batch;
-pub use batch::rng::Rng;
-pub use batch::run_worlds::for_each_world;
 pub use batch::trial::Trial;
 pub use body::body_error::BodyError;
 pub use body::bundle::Body;
-pub use body::change_mass::{ChangeMassError, change_mass_properties};
 pub use body::rigid_body::RigidBody;
+pub use body::set_velocity::{VelocityError, set_angular_velocity, set_linear_velocity, set_velocity};
 pub use body::spawn_bodies::spawn_bodies;
-pub use body::weld::{WeldError, weld};
-pub use clock::Clock;
+pub use body::spawn_ground::spawn_ground;
 pub use collision::collider::Collider;
 pub use collision::collider_error::ColliderError;
 pub use collision::contact_events::{ContactEvent, Impact};
-pub use collision::contact_hook::ContactProposal;
-pub use collision::material::{CombineRule, Material};
+pub use collision::material::Material;
 pub use collision::sensors::SensorEvent;
-pub use components::property_error::PropertyError;
+#[doc(inline)]
 pub use components::{
-    BodyId, BodyKind, CenterOfMass, Damping, GravityScale, Inertia, InertiaComponentError, InverseInertia, Mass,
-    Momentum, Pose, PreviousPose, PrincipalAxes, Velocity, Wind, Work, Wrench,
+    BodyId, CenterOfMass, Damping, GravityScale, Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity,
+    Wind, Wrench,
 };
-pub use debug_draw::{DebugDraw, DebugView};
-pub use energy::ledger::{Ledger, LedgerEntry};
-pub use energy::totals::Totals;
-pub use forces::body_forces::BodyForces;
+#[doc(inline)]
+pub use debug_draw::DebugView;
+pub use energy::ledger::Ledger;
 pub use forces::components::{
     AngularVelocityServo, Buoyancy, ConstantWrench, Drag, Frame, Hull, Magnus, PointGravity, SpringToPoint, Thruster,
 };
 pub use forces::force_law::{BodyState, ForceLaw};
 pub use forces::pairwise::{GravityMass, Spring};
-pub use forces::registry::ForceLaws;
-pub use forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};
-pub use integrator::{Integrator, UnknownIntegrator};
+pub use integrator::Integrator;
 pub use joints::axes::Axes;
 pub use joints::breakable::Breakable;
 pub use joints::drives::{Drive, Drives};
 pub use joints::friction::JointFriction;
-pub use joints::gain::Gain;
 pub use joints::gear::Gear;
-pub use joints::ignore_contacts::IgnoreContacts;
 pub use joints::joint::Joint;
 pub use joints::joint_error::JointError;
 pub use joints::joint_event::JointEvent;
 pub use joints::joint_load::JointLoad;
-pub use joints::limits::{Cone, Limit, Limits};
+pub use joints::limits::{Limit, Limits};
 pub use joints::locked_axes::LockedAxes;
-pub use settings::{Settings, SettingsError};
-pub use simd::simd_name;
-pub use snapshot::Snapshot;
-pub use snapshot::error::{ContactDefect, SnapshotError};
-pub use snapshot::rollback::{Rollback, RollbackError};
-pub use snapshot::state_arrays::{STATE_SIZE, StateArrayError, array_to_derived_state, array_to_state, state_to_array};
-pub use snapshot::state_hash::state_hash;
-pub use snapshot::state_rates::derivative_to_array;
-pub use step::body_slices::{BodySlices, LengthMismatch};
-pub use step::contact_report::{Contact, ContactPoint};
-pub use step::phase_times::PhaseTimes;
-pub use step::phased_step::{Step, StepPhase};
-pub use step::simulation::{Simulation, StepHooks};
-pub use step::step;
-pub use step::systems::{
-    accumulate_forces, integrate, integrate_under_laws, move_kinematic_bodies, remember_poses, update_derived,
-};
-pub use storage::body_order::BodyOrder;
-
-pub use queries::hits::{PartHit, PointHit, RayHit, ShapeHit};
+pub use queries::hits::RayHit;
 pub use queries::query_filter::QueryFilter;
-pub use queries::query_index::QueryIndex;
 pub use queries::ray::Ray;
 pub use queries::world_queries::Queries;
+pub use settings::{Settings, SettingsError};
+#[doc(inline)]
+pub use snapshot::Snapshot;
+pub use snapshot::error::SnapshotError;
+pub use snapshot::rollback::{Rollback, RollbackError};
+pub use step::simulation::Simulation;
+#[doc(inline)]
+pub use step::step;
 
+// At the root too, but shown in their modules alone.
+#[doc(hidden)]
+pub use batch::{Rng, for_each_world};
+#[doc(hidden)]
+pub use body::{ChangeMassError, WeldError, change_mass_properties, weld};
+#[doc(hidden)]
+pub use collision::{CombineRule, ContactProposal};
+#[doc(hidden)]
+pub use components::{BodyKind, InertiaComponentError, InverseInertia, PropertyError, Work};
+#[doc(hidden)]
+pub use debug_draw::DebugDraw;
+#[doc(hidden)]
+pub use energy::{LedgerEntry, Totals};
+#[doc(hidden)]
+pub use forces::{BodyForces, ForceLaws, SimdBody, SimdForceLaw, SimdWrench};
+#[doc(hidden)]
+pub use joints::{Cone, Gain, IgnoreContacts};
+#[doc(hidden)]
+pub use queries::{PartHit, PointHit, QueryIndex, ShapeHit};
+#[doc(hidden)]
+pub use snapshot::{
+    BodyOrder, ContactDefect, STATE_SIZE, StateArrayError, array_to_derived_state, array_to_state, derivative_to_array,
+    state_hash, state_to_array,
+};
+#[doc(hidden)]
+pub use step::{
+    BodySlices, Contact, ContactPoint, LengthMismatch, PhaseTimes, Step, StepHooks, StepPhase, accumulate_forces,
+    integrate, integrate_under_laws, move_kinematic_bodies, remember_poses, update_derived,
+};
+
+pub use clock::Clock;
+pub use integrator::UnknownIntegrator;
+pub use simd::simd_name;
 pub use {glam, hecs};
 
-pub use tumble_collide::HeightFieldError;
-
-pub use tumble_math::{
-    Amount, HullError, InertiaError, InertiaTensor, MassProperties, MeshAudit, MeshDefect, MeshError, MeshRepair, Part,
-    PrincipalInertia, Shape, SolidMesh, TriangleMesh, convex_hull, equivalent_ellipsoid,
+#[doc(hidden)]
+pub use shapes::{
+    HeightFieldError, HullError, InertiaError, InertiaTensor, MeshAudit, MeshDefect, MeshError, MeshRepair,
+    PrincipalInertia, SolidMesh, TriangleMesh, convex_hull, equivalent_ellipsoid,
 };
+pub use tumble_math::{Amount, MassProperties, Part, Shape};
+
+/// Shapes, their mass properties, and meshes: what of `tumble-math` bodies are made of.
+pub mod shapes {
+    pub use tumble_collide::HeightFieldError;
+    pub use tumble_math::{
+        Amount, HullError, InertiaError, InertiaTensor, MassError, MassProperties, MeshAudit, MeshDefect, MeshError,
+        MeshRepair, Part, PrincipalInertia, Shape, ShapeError, SolidMesh, TriangleMesh, convex_hull,
+        equivalent_ellipsoid,
+    };
+}
 
 /// The types that most programs need: `use tumble::prelude::*;`.
 pub mod prelude {
     pub use crate::math::{Mat3, Quat, Real, Vec3};
     pub use crate::{
-        AngularVelocityServo, BodyId, BodyState, Buoyancy, CenterOfMass, Collider, ConstantWrench, Damping, Drag,
-        ForceLaw, Frame, GravityMass, GravityScale, Hull, Inertia, Integrator, Joint, JointLoad, Ledger, Magnus, Mass,
-        Material, Momentum, PointGravity, Pose, PreviousPose, PrincipalAxes, RigidBody, Settings, Shape, Simulation,
-        Spring, SpringToPoint, Thruster, Velocity, Wind, Wrench,
+        Amount, AngularVelocityServo, Axes, Body, BodyError, BodyId, BodyState, Breakable, Buoyancy, CenterOfMass,
+        Collider, ConstantWrench, ContactEvent, Damping, DebugView, Drag, Drive, Drives, ForceLaw, Frame, Gear,
+        GravityMass, GravityScale, Hull, Inertia, Integrator, Joint, JointEvent, JointFriction, JointLoad, Ledger,
+        Limit, Limits, LockedAxes, Magnus, Mass, Material, Momentum, Part, PointGravity, Pose, PreviousPose,
+        PrincipalAxes, Queries, QueryFilter, Ray, RayHit, RigidBody, SensorEvent, Settings, Shape, Simulation,
+        Snapshot, Spring, SpringToPoint, Thruster, Velocity, Wind, Wrench, set_angular_velocity, set_linear_velocity,
+        set_velocity, spawn_bodies, spawn_ground,
     };
 }

@@ -1,5 +1,20 @@
 //! The precision the engine simulates in: glam's `f32` types, or with the cargo feature `f64` its
 //! `f64` types.
+//!
+//! A renderer with another version of glam takes them as arrays, `theirs::Vec3::from(v.to_array())`
+//! and `theirs::Quat::from_array(q.to_array())`, or with the feature `mint` through that crate:
+#![cfg_attr(
+    feature = "mint",
+    doc = "
+```
+use tumble::math::{Quat, Real, Vec3};
+
+let drawn: mint::Vector3<Real> = Vec3::Y.into(); // and on: theirs::Vec3::from(drawn)
+let turned: mint::Quaternion<Real> = Quat::from_rotation_x(0.5).into();
+assert_eq!((drawn.y, Quat::from(turned)), (1.0, Quat::from_rotation_x(0.5)));
+```
+"
+)]
 
 #[cfg(not(feature = "f64"))]
 mod chosen {

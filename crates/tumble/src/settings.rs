@@ -11,6 +11,7 @@ use crate::range::{MAX_GRAVITY, MAX_SPEED, SECONDS, within};
 /// let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(1.0 / 240.0);
 /// assert_eq!(settings.integrator, Integrator::MoserVeselov);
 /// ```
+#[doc(alias("gravity", "timestep", "IntegrationParameters"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Settings {
@@ -59,6 +60,7 @@ impl Settings {
     }
 
     /// The same with another step \[s\].
+    #[doc(alias = "timestep")]
     #[must_use]
     pub fn with_dt(self, dt: Real) -> Self {
         Self { dt, ..self }
@@ -77,6 +79,7 @@ impl Settings {
     }
 
     /// The same with another number of substeps where bodies touch.
+    #[doc(alias("solver iterations", "SubstepCount"))]
     #[must_use]
     pub fn with_contact_substeps(self, contact_substeps: u32) -> Self {
         Self { contact_substeps, ..self }
@@ -147,7 +150,7 @@ impl Settings {
 /// let error = Simulation::new(Settings::default().with_dt(0.0)).unwrap_err();
 /// assert_eq!(error, SettingsError::Step(0.0));
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SettingsError {
     /// The step, or one of the equal parts that it is divided into, is not from 1e-9 to 1e9
@@ -167,6 +170,8 @@ pub enum SettingsError {
     #[error("the restitution threshold must be from 0 to 1e9 m/s, got {0}")]
     RestitutionThreshold(Real),
 }
+
+tumble_math::debug_as_display!(SettingsError);
 
 impl SettingsError {
     /// The field of [`Settings`] that is at fault; of a step that is divided into parts too short,

@@ -30,8 +30,10 @@ use std::error::Error;
 
 use hecs::{Entity, World};
 use macroquad::prelude as mq;
+use tumble::batch::Rng;
+use tumble::body::{WeldError, weld};
 use tumble::prelude::*;
-use tumble::{BodyError, Rng, Snapshot, WeldError, update_derived, weld};
+use tumble::step::update_derived;
 
 use approach::{Approach, Craft, Outcome};
 use models::{Look, Looks};
@@ -139,7 +141,7 @@ fn spawn_craft(world: &mut World, level: usize, seed: u64) -> Result<(), BodyErr
 /// Ballast puts the centre of mass where the drawing has its origin; `interpolated` is for frames
 /// between steps.
 fn spawn_body(world: &mut World, body: RigidBody, ours: impl hecs::DynamicBundle) -> Result<(), BodyError> {
-    body.center_of_mass([0.0; 3]).interpolated().build()?.spawn_with(world, ours);
+    body.without_collider().center_of_mass([0.0; 3]).interpolated().build()?.spawn_with(world, ours);
     Ok(())
 }
 

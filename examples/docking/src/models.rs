@@ -2,7 +2,6 @@
 
 use macroquad::prelude as mq;
 use tumble::prelude::*;
-use tumble::{Amount, Part};
 
 use crate::{Nozzle, Nozzles};
 

@@ -5,8 +5,9 @@
 
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build"))]
 
+use tumble::energy::Totals;
 use tumble::glam::DVec3;
-use tumble::{BodyOrder, Totals, state_hash};
+use tumble::snapshot::{BodyOrder, state_hash};
 
 use super::*;
 

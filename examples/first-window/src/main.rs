@@ -2,7 +2,6 @@
 
 use macroquad::prelude as mq;
 use tumble::prelude::*;
-use tumble::{Collider, ContactEvent};
 
 /// Radius of a ball, and half the edge of a box \[m\].
 const RADIUS: f32 = 0.25;
@@ -25,9 +24,9 @@ async fn main() -> Result<(), Box<dyn std::error::Error>> {
             (world, simulation) = (tower()?, Simulation::new(Settings::default())?);
         }
         if mq::is_key_pressed(mq::KeyCode::Space) {
-            let shape = Shape::sphere(RADIUS);
-            let ball = RigidBody::new(shape.clone()).mass(8.0).position(Vec3::new(0.0, 2.0, 8.0));
-            spawn(&mut world, ball.linear_velocity(Vec3::new(0.0, 1.0, -15.0)), &shape, mq::ORANGE)?;
+            let ball = RigidBody::new(Shape::sphere(RADIUS)).mass(8.0).position(Vec3::new(0.0, 2.0, 8.0));
+            let look = Look { is_ball: true, color: mq::ORANGE, flash: 0.0 };
+            spawn(&mut world, ball.linear_velocity(Vec3::new(0.0, 1.0, -15.0)), look)?;
         }
         let alpha = simulation.advance(&mut world, f64::from(mq::get_frame_time()));
         for event in simulation.contact_events() {
@@ -55,25 +54,20 @@ async fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// Ground, and three by five boxes on it.
 fn tower() -> Result<hecs::World, Box<dyn std::error::Error>> {
     let mut world = hecs::World::new();
-    RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
+    spawn_ground(&mut world);
+    let brick = RigidBody::new(Shape::cuboid(Vec3::splat(HALF))).mass(2.0);
     for i in 0..15_u8 {
-        let (shape, [row, column]) = (Shape::cuboid(Vec3::splat(HALF)), [i / 3, i % 3].map(Real::from));
+        let [row, column] = [i / 3, i % 3].map(Real::from);
         let place = Vec3::new(0.5 * column - 0.5, HALF + 2.0 * HALF * row, 0.0);
         let color = [mq::RED, mq::GOLD, mq::GREEN, mq::SKYBLUE, mq::VIOLET][usize::from(i / 3)];
-        spawn(&mut world, RigidBody::new(shape.clone()).mass(2.0).position(place), &shape, color)?;
+        spawn(&mut world, brick.clone().position(place), Look { is_ball: false, color, flash: 0.0 })?;
     }
     Ok(world)
 }
 
-/// Spawns a body that others bump into, and that can be drawn.
-fn spawn(
-    world: &mut hecs::World,
-    body: RigidBody,
-    shape: &Shape,
-    color: mq::Color,
-) -> Result<(), Box<dyn std::error::Error>> {
-    let look = Look { is_ball: matches!(shape, Shape::Sphere { .. }), color, flash: 0.0 };
-    body.interpolated().build()?.spawn_with(world, (Collider::new(shape)?, look));
+/// Spawns a body that can be drawn between two steps.
+fn spawn(world: &mut hecs::World, body: RigidBody, look: Look) -> Result<(), Box<dyn std::error::Error>> {
+    body.interpolated().build()?.spawn_with(world, (look,));
     Ok(())
 }
 

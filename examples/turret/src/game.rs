@@ -1,8 +1,8 @@
 //! The game without its window: drones fall towards a turret, which shoots at those that it sees.
 
 use hecs::{Entity, World};
+use tumble::batch::Rng;
 use tumble::prelude::*;
-use tumble::{ContactEvent, QueryFilter, Ray, Rng};
 
 /// Speed of a bullet \[m/s\]: ten metres a step, through drones that are half a metre thick.
 const MUZZLE_SPEED: Real = 600.0;
@@ -32,7 +32,7 @@ pub(crate) struct Game {
     next_shot: f64,
     next_drone: f64,
     /// The last look: the ray, and what it met.
-    pub(crate) look: Option<(Ray, tumble::RayHit)>,
+    pub(crate) look: Option<(Ray, RayHit)>,
     pub(crate) hits: u32,
     /// Drones that came through to the ring around the turret.
     pub(crate) landed: u32,
@@ -41,21 +41,18 @@ pub(crate) struct Game {
 impl Game {
     pub(crate) fn new(seed: u64) -> Result<Self, Box<dyn std::error::Error>> {
         let mut world = World::new();
-        RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
-        let tower = Shape::cylinder(0.4, 0.75);
-        let turret = RigidBody::new(tower.clone()).fixed().position(Vec3::Y * 0.75).build()?;
-        let turret = turret.spawn_with(&mut world, (Collider::new(&tower)?,));
+        spawn_ground(&mut world);
+        let turret = RigidBody::new(Shape::cylinder(0.4, 0.75)).fixed().position(Vec3::Y * 0.75);
+        let turret = turret.build()?.spawn(&mut world);
         // A ring that nothing bumps into: it counts what gets there.
-        let ring = Shape::cylinder(4.0, 0.5);
-        let goal = RigidBody::new(ring.clone()).fixed().position(Vec3::Y * 0.5).build()?;
-        let goal = goal.spawn_with(&mut world, (Collider::new(&ring)?.sensor(),));
+        let goal = RigidBody::new(Shape::cylinder(4.0, 0.5)).fixed().sensor().position(Vec3::Y * 0.5);
+        let goal = goal.build()?.spawn(&mut world);
         // Pillars to hide behind.
-        let pillar = Shape::cuboid([0.8, 6.0, 0.8]);
+        let pillar = RigidBody::new(Shape::cuboid([0.8, 6.0, 0.8])).fixed();
         for i in 0..6_u8 {
             let angle = Real::from(i) * std::f64::consts::FRAC_PI_3 as Real;
             let place = Vec3::new(angle.cos() * 12.0, 6.0, angle.sin() * 12.0);
-            let body = RigidBody::new(pillar.clone()).fixed().position(place).build()?;
-            body.spawn_with(&mut world, (Collider::new(&pillar)?,));
+            pillar.clone().position(place).build()?.spawn(&mut world);
         }
         let simulation = Simulation::new(Settings::default())?;
         let rng = Rng::new(seed);
@@ -85,12 +82,15 @@ impl Game {
         let angle = self.rng.range(-3.0, 3.0);
         let far = self.rng.range(18.0, 30.0);
         let place = Vec3::new(angle.cos() * far, self.rng.range(8.0, 16.0), angle.sin() * far);
-        let shape = Shape::cuboid([0.5, 0.25, 0.5]);
         // It falls slowly, and drifts to the middle.
-        let drone = RigidBody::new(shape.clone()).mass(8.0).position(place).gravity_scale(0.05).interpolated();
+        let drone = RigidBody::new(Shape::cuboid([0.5, 0.25, 0.5]))
+            .mass(8.0)
+            .position(place)
+            .gravity_scale(0.05)
+            .interpolated();
         let drift = (EYE - place) * 0.12;
         let drone = drone.linear_velocity(Vec3::new(drift.x, 0.0, drift.z)).build()?;
-        drone.spawn_with(&mut self.world, (Collider::new(&shape)?, Drone { is_hit: false }));
+        drone.spawn_with(&mut self.world, (Drone { is_hit: false },));
         Ok(())
     }
 
@@ -117,11 +117,10 @@ impl Game {
     }
 
     fn shoot(&mut self, direction: Vec3) -> Result<(), Box<dyn std::error::Error>> {
-        let shape = Shape::sphere(0.05);
-        let bullet = RigidBody::new(shape.clone()).mass(0.05).position(EYE).interpolated();
+        let surface = Material::default().with_friction(0.3).with_restitution(0.4);
+        let bullet = RigidBody::new(Shape::sphere(0.05)).mass(0.05).material(surface).position(EYE).interpolated();
         let bullet = bullet.linear_velocity(direction * MUZZLE_SPEED).build()?;
-        let collider = Collider::new(&shape)?.with_material(Material::new(0.3, 0.4))?;
-        bullet.spawn_with(&mut self.world, (collider, Bullet(self.simulation.steps())));
+        bullet.spawn_with(&mut self.world, (Bullet(self.simulation.steps()),));
         Ok(())
     }
 
@@ -191,9 +190,12 @@ mod tests {
     #[test]
     fn pillars_hide() {
         let mut game = Game::new(1).unwrap();
-        let shape = Shape::cuboid([0.5, 0.25, 0.5]);
-        let behind = RigidBody::new(shape.clone()).mass(8.0).position(Vec3::new(16.0, 2.0, 0.0)).build().unwrap();
-        let drone = behind.spawn_with(&mut game.world, (Collider::new(&shape).unwrap(), Drone { is_hit: false }));
+        let behind = RigidBody::new(Shape::cuboid([0.5, 0.25, 0.5]))
+            .mass(8.0)
+            .position(Vec3::new(16.0, 2.0, 0.0))
+            .build()
+            .unwrap();
+        let drone = behind.spawn_with(&mut game.world, (Drone { is_hit: false },));
         assert!(game.aim().is_none());
         game.world.get::<&mut Pose>(drone).unwrap().position.z = 8.0;
         assert!(game.aim().is_some_and(|aim| aim.x > 0.8 && aim.z > 0.3));

@@ -5,7 +5,6 @@
 mod game;
 
 use macroquad::prelude as mq;
-use tumble::DebugView;
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
 

@@ -19,6 +19,7 @@ fn chain() -> Result<World, Failure> {
     for i in 0..8_u32 {
         let turn = if i % 2 == 0 { 0.5 } else { -0.3 };
         let bar = RigidBody::new(Shape::cuboid([0.5, 0.05, 0.1]))
+            .without_collider()
             .density(100.0)
             .id(BodyId(i.into()))
             .position(Vec3::X * i as Real)
@@ -27,7 +28,7 @@ fn chain() -> Result<World, Failure> {
             .spawn(&mut world);
         if let Some(last) = last.replace(bar) {
             let spring = Spring::between(last, bar).attached_at(Vec3::X * 0.5, Vec3::X * -0.5);
-            world.spawn((spring.stiffness(1000.0),));
+            world.spawn((spring.with_stiffness(1000.0),));
         }
     }
     Ok(world)

@@ -15,10 +15,10 @@ use crate::{Failure, Findings};
 /// second and a reduced mass of one kilogram; `None` where it explodes.
 fn measured(frequency: f64) -> Result<Option<f64>, Failure> {
     let mut world = World::new();
-    let ball = |x: Real| RigidBody::new(Shape::sphere(0.1)).mass(2.0).position(Vec3::X * x).build();
+    let ball = |x: Real| RigidBody::new(Shape::sphere(0.1)).without_collider().mass(2.0).position(Vec3::X * x).build();
     let (left, right) = (ball(-1.1)?.spawn(&mut world), ball(1.1)?.spawn(&mut world));
     let stiffness = (TAU * frequency).powi(2);
-    world.spawn((Spring::between(left, right).rest_length(2.0).stiffness(stiffness as Real),));
+    world.spawn((Spring::between(left, right).with_rest_length(2.0).with_stiffness(stiffness as Real),));
     let mut simulation = Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(1.0))?;
     let mut lengths = Vec::new();
     for _ in 0..1000 {

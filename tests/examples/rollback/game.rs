@@ -51,15 +51,17 @@ pub(crate) fn body(id: BodyId) -> Result<Body, BodyError> {
     let random = |n: u64| scatter(16 * id.0 + n);
     let vector = |n| Vec3::new(random(n), random(n + 1), random(n + 2)) - Vec3::splat(0.5);
     let body = match id.0 {
-        0..FIRST_ROCK => {
-            RigidBody::new(Shape::cone(1.0, 1.5)).mass(2.0).position(Vec3::X * (id.0 as Real * 20.0 - 10.0))
-        }
+        0..FIRST_ROCK => RigidBody::new(Shape::cone(1.0, 1.5))
+            .without_collider()
+            .mass(2.0)
+            .position(Vec3::X * (id.0 as Real * 20.0 - 10.0)),
         FIRST_ROCK..FIRST_SHOT => RigidBody::new(Shape::cuboid([1.0, 0.6, 0.3]))
+            .without_collider()
             .density(3.0)
             .position(vector(0) * 100.0)
             .linear_velocity(vector(3) * 2.0)
             .angular_velocity(vector(6) * 8.0),
-        _ => RigidBody::new(Shape::sphere(0.1)).mass(0.1),
+        _ => RigidBody::new(Shape::sphere(0.1)).without_collider().mass(0.1),
     };
     body.id(id).build()
 }

@@ -114,9 +114,9 @@ pub(crate) fn springs() -> Vec<([u64; 2], Spring)> {
         let spring = Spring::between(Entity::DANGLING, Entity::DANGLING)
             .attached_at(rng.vector(-0.05, 0.05) * off, rng.vector(-0.05, 0.05) * off)
             // Times the distance at the start.
-            .rest_length(rng.range(0.99, 1.01))
-            .stiffness(if i % 7 == 0 { 1e8 } else { rng.range(0.0, 200.0) })
-            .damping(match i {
+            .with_rest_length(rng.range(0.99, 1.01))
+            .with_stiffness(if i % 7 == 0 { 1e8 } else { rng.range(0.0, 200.0) })
+            .with_damping(match i {
                 _ if i % 7 == 0 => 1e3,
                 _ if i % 3 == 0 => rng.range(0.0, 20.0),
                 _ => 0.0,

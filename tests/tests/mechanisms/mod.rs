@@ -84,7 +84,7 @@ pub(crate) fn mechanism(class: Class, draw: &mut Draw) -> Mechanism {
         let edges = [half(), half(), half()];
         let parent = number.checked_sub(1).map(|last| (draw.between(0.0, 1.0) * (last + 1) as f64) as usize);
         let at = parent.map_or(origin, |parent| places[parent] + draw.direction() * size * 1.5);
-        let mut body = RigidBody::new(Shape::cuboid(edges)).mass(draw.log_between(1.0, mass_ratio));
+        let mut body = RigidBody::new(Shape::cuboid(edges)).without_collider().mass(draw.log_between(1.0, mass_ratio));
         body =
             body.id(BodyId(class.first_id + number as u64)).position(vector(at)).orientation(quat(draw.orientation()));
         if number == 0 && class.is_fixed {

@@ -73,7 +73,11 @@ pub(crate) fn net(kind: Net, stiffness: f64, damping: f64, attached: Attached, t
         .enumerate()
         .map(|(i, place)| {
             let shape = Shape::cuboid(dvec3(rng.vector(0.2, 0.4)));
-            let mut body = RigidBody::new(shape).mass(rng.range(0.5, 4.0)).position(*place).id(BodyId(i as u64));
+            let mut body = RigidBody::new(shape)
+                .without_collider()
+                .mass(rng.range(0.5, 4.0))
+                .position(*place)
+                .id(BodyId(i as u64));
             body = body.linear_velocity(rng.vector(-0.5, 0.5)).orientation(rng.orientation());
             let spin = rng.vector(-4.0, 4.0);
             if turning == Turning::Yes {
@@ -90,8 +94,8 @@ pub(crate) fn net(kind: Net, stiffness: f64, damping: f64, attached: Attached, t
         let end = |i: usize, hook: Vec3| world.get::<&Pose>(bodies[i]).unwrap().transform_point(hook);
         let length = (end(b, hooks[1]) - end(a, hooks[0])).length();
         let rest = (length + rng.range(-0.05, 0.05)).max(0.0);
-        let spring = Spring::between(bodies[a], bodies[b]).attached_at(hooks[0], hooks[1]).rest_length(rest);
-        world.spawn((spring.stiffness(stiffness as Real).damping(damping as Real),));
+        let spring = Spring::between(bodies[a], bodies[b]).attached_at(hooks[0], hooks[1]).with_rest_length(rest);
+        world.spawn((spring.with_stiffness(stiffness as Real).with_damping(damping as Real),));
     }
     world
 }

@@ -67,7 +67,7 @@ impl ImportedJoint {
     /// [`bodies`](Self::bodies).
     #[must_use]
     pub fn between(&self, [a, b]: [Entity; 2]) -> Joint {
-        let joint = Joint::with_free(a, b, self.free).with_frames(self.frames[0], self.frames[1]);
+        let joint = Joint::free_along(a, b, self.free).with_frames(self.frames[0], self.frames[1]);
         if self.contacts_enabled { joint.with_contacts() } else { joint }
     }
 
@@ -154,7 +154,7 @@ mod tests {
             (Joint::planar(a, b), "planar"),
             (Joint::fixed(a, b), "fixed"),
             (Joint::free(a, b), "free"),
-            (Joint::with_free(a, b, Axes::LINEAR_X | Axes::ANGULAR_Y), "other"),
+            (Joint::free_along(a, b, Axes::LINEAR_X | Axes::ANGULAR_Y), "other"),
         ] {
             assert_eq!(kind_of(joint.free), kind);
         }

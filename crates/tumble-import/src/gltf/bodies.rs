@@ -164,6 +164,7 @@ fn body(
     };
     let body = built
         .id(id)
+        .without_collider()
         .position(real_vector(node.position))
         .orientation(real_quaternion(node.rotation))
         .build()

@@ -12,7 +12,7 @@ use crate::inertia_error::listed;
 /// use tumble_math::{HullError, convex_hull};
 /// assert_eq!(convex_hull(&[glam::DVec3::ZERO]).unwrap_err(), HullError::TooFew { count: 1 });
 /// ```
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum HullError {
     /// A hull with a volume needs four points at least.
@@ -50,3 +50,5 @@ pub enum HullError {
     #[error(transparent)]
     Mesh(#[from] MeshError),
 }
+
+crate::debug_as_display!(HullError);

@@ -12,7 +12,7 @@ use crate::inertia_error::listed;
 /// use tumble_math::{MeshError, TriangleMesh};
 /// assert_eq!(TriangleMesh::new(vec![], vec![]).unwrap_err(), MeshError::NoTriangles);
 /// ```
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MeshError {
     /// There is no triangle.
@@ -66,6 +66,8 @@ pub enum MeshError {
         volume: f64,
     },
 }
+
+crate::debug_as_display!(MeshError);
 
 /// `3 open edges, 1 part inside out`.
 fn in_a_row(defects: &[MeshDefect]) -> String {

@@ -10,7 +10,7 @@ use std::io;
 /// let error = TrajectoryError::TooLarge { bodies: 1_000_000, frames: 1000, bytes: 32 << 30 };
 /// assert!(error.to_string().starts_with("1000000 bodies in 1000 frames are 32.0 GiB"));
 /// ```
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum TrajectoryError {
     /// The writer failed.
@@ -29,4 +29,11 @@ pub enum TrajectoryError {
         /// Size of the whole file, or of what it has at least.
         bytes: u64,
     },
+}
+
+/// As it is displayed, so that a `main` that returns it ends with a sentence.
+impl std::fmt::Debug for TrajectoryError {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, formatter)
+    }
 }

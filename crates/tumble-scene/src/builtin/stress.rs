@@ -93,7 +93,7 @@ impl StressBodies {
     fn body(&mut self, index: usize) -> Result<SceneBody, BodyError> {
         let shape = self.shape(index);
         let density = self.between(500.0, 3000.0);
-        let body = RigidBody::new(shape.clone());
+        let body = RigidBody::new(shape.clone()).without_collider();
         let body = match shape {
             Shape::Compound(_) => body,
             // A shell has no volume; this is its mass in a skin of a hundredth of its radius.

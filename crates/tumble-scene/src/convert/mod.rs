@@ -37,7 +37,8 @@ pub(crate) fn body(model: &BodyModel, index: usize, others: Others<'_>) -> Resul
     if !problems.is_empty() {
         return Err(problems);
     }
-    let body = body.build().map_err(|error| vec![FieldError::new(error.field(), error)])?;
+    // The scene's own collider is beside the body.
+    let body = body.without_collider().build().map_err(|error| vec![FieldError::new(error.field(), error)])?;
     let appearance = ground.unwrap_or(Appearance::Shape(shape));
     Ok(SceneBody { body, appearance, forces, springs_to, collider, locked_axes, pieces: Vec::new() })
 }

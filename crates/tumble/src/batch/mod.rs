@@ -4,12 +4,14 @@ pub(crate) mod rng;
 pub(crate) mod run_worlds;
 pub(crate) mod trial;
 
+pub use crate::batch::rng::Rng;
+pub use crate::batch::run_worlds::for_each_world;
+pub use crate::batch::trial::Trial;
+
 use std::ops::ControlFlow;
 
 use rayon::prelude::*;
 
-use crate::batch::rng::Rng;
-use crate::batch::trial::Trial;
 use crate::solver::multi_world::MultiWorld;
 use crate::step::interacting::step_interacting;
 use crate::step::pack_key::PackKey;
@@ -22,7 +24,7 @@ use crate::step::pack_key::PackKey;
 /// among them too.
 ///
 /// Results come back in the order of the worlds. A batch is held in memory as a whole;
-/// [`for_each_world`](crate::for_each_world) makes worlds one by one, as many as one likes.
+/// [`for_each_world`] makes worlds one by one, as many as one likes.
 ///
 /// ```
 /// use tumble::prelude::*;
@@ -50,6 +52,7 @@ use crate::step::pack_key::PackKey;
 /// assert!(heights.iter().all(|height| (height + 0.5 * 9.81).abs() < 1e-3));
 /// # Ok::<(), Box<dyn std::error::Error + Send + Sync>>(())
 /// ```
+#[doc(alias("parallel worlds", "vectorized environments"))]
 #[derive(Default)]
 pub struct Batch {
     trials: Vec<Trial>,

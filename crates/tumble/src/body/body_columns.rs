@@ -3,6 +3,7 @@
 use hecs::{BatchWriter, ColumnBatchBuilder, ColumnBatchType};
 
 use crate::body::bundle::Body;
+use crate::collision::collider::Collider;
 use crate::components::{
     BodyId, CenterOfMass, Damping, GravityScale, Inertia, InverseInertia, Mass, Momentum, Pose, PreviousPose,
     PrincipalAxes, Velocity, Wrench,
@@ -28,8 +29,8 @@ macro_rules! body_columns {
             /// Writes the next row; what there is no room for is dropped.
             #[inline]
             pub(crate) fn push(&mut self, body: &Body) {
-                $(if let (Some(column), Some(component)) = (&mut self.$field, Option::from(body.$field)) {
-                    column.push(component).ok();
+                $(if let (Some(column), Some(component)) = (&mut self.$field, Option::<&$Component>::from(&body.$field)) {
+                    column.push(component.clone()).ok();
                 })+
             }
         }
@@ -38,7 +39,7 @@ macro_rules! body_columns {
             /// Adds the types of the body's components to those of a batch of entities, beside the
             /// caller's own; [`insert_copies_into`](Self::insert_copies_into) fills their columns.
             pub fn insert_types_into(&self, types: &mut ColumnBatchType) {
-                $(if Option::<$Component>::from(self.$field).is_some() {
+                $(if Option::<&$Component>::from(&self.$field).is_some() {
                     types.add::<$Component>();
                 })+
             }
@@ -46,7 +47,7 @@ macro_rules! body_columns {
             /// Which components it has, a bit for each.
             pub(crate) fn kind(&self) -> u32 {
                 let mut kind = 0;
-                $(kind = kind << 1 | u32::from(Option::<$Component>::from(self.$field).is_some());)+
+                $(kind = kind << 1 | u32::from(Option::<&$Component>::from(&self.$field).is_some());)+
                 kind
             }
         }
@@ -66,5 +67,6 @@ body_columns! {
     gravity_scale: GravityScale,
     damping: Damping,
     previous_pose: PreviousPose,
-    id: BodyId
+    id: BodyId,
+    collider: Collider
 }

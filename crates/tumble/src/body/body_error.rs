@@ -3,6 +3,7 @@
 use glam::DVec3;
 use tumble_math::{InertiaError, MassError, ShapeError};
 
+use crate::collision::collider_error::ColliderError;
 use crate::components::InertiaComponentError;
 use crate::components::property_error::PropertyError;
 use crate::math::real;
@@ -14,8 +15,10 @@ use crate::math::real;
 /// let error = RigidBody::new(Shape::sphere(0.5)).build().unwrap_err();
 /// assert_eq!(error, BodyError::MissingMass);
 /// assert_eq!(error.field(), "mass");
+/// // What a main prints that returns it.
+/// assert_eq!(format!("{error:?}"), "a body that moves needs a mass or a density");
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BodyError {
     /// A body that is to move has neither a mass nor a density.
@@ -73,7 +76,12 @@ pub enum BodyError {
     /// A point mass, having no inertia, cannot have an angular velocity.
     #[error("angular_velocity of a point mass must be zero: it has no inertia")]
     SpinningPoint,
+    /// Its shape or its material cannot be those of a collider.
+    #[error(transparent)]
+    Collider(#[from] ColliderError),
 }
+
+tumble_math::debug_as_display!(BodyError);
 
 impl BodyError {
     /// The field at fault, by the name it has in scene files: `mass`, `shape.radius`, `inertia`,
@@ -92,6 +100,11 @@ impl BodyError {
             Self::NotUnit(_) => "orientation".to_owned(),
             Self::MovingFixed => "linear_velocity".to_owned(),
             Self::SpinningPoint => "angular_velocity".to_owned(),
+            Self::Collider(ColliderError::Material { field, .. }) => format!("material.{field}"),
+            Self::Collider(ColliderError::Length { field, .. } | ColliderError::Size { field, .. }) => {
+                format!("shape.{field}")
+            }
+            Self::Collider(_) => "collider".to_owned(),
         }
     }
 }

@@ -3,6 +3,7 @@
 use hecs::{DynamicBundle, Entity, EntityBuilder, World};
 use tumble_math::MassProperties;
 
+use crate::collision::collider::Collider;
 use crate::components::{
     BodyId, CenterOfMass, Damping, GravityScale, Inertia, InverseInertia, Mass, Momentum, Pose, PreviousPose,
     PrincipalAxes, Velocity, Wrench,
@@ -13,6 +14,8 @@ use crate::integrators::state::{Constants, Moments, State};
 /// The components of a dynamic body without optional ones.
 type Plain = (Pose, Momentum, Mass, Inertia, Wrench, Velocity, InverseInertia);
 type PlainWithId = (Pose, Momentum, Mass, Inertia, Wrench, Velocity, InverseInertia, BodyId);
+type PlainWithCollider = (Pose, Momentum, Mass, Inertia, Wrench, Velocity, InverseInertia, Collider);
+type PlainWithBoth = (Pose, Momentum, Mass, Inertia, Wrench, Velocity, InverseInertia, BodyId, Collider);
 
 /// The components of a body that [`RigidBody::build`](crate::RigidBody::build) has checked, ready
 /// to be spawned any number of times.
@@ -41,6 +44,7 @@ pub struct Body {
     pub(crate) damping: Option<Damping>,
     pub(crate) previous_pose: Option<PreviousPose>,
     pub(crate) id: Option<BodyId>,
+    pub(crate) collider: Option<Collider>,
     pub(crate) properties: Option<MassProperties>,
 }
 
@@ -61,6 +65,7 @@ impl Body {
             damping: None,
             previous_pose: None,
             id: None,
+            collider: None,
             properties: None,
         }
     }
@@ -94,7 +99,7 @@ impl Body {
     /// # Ok::<(), tumble::BodyError>(())
     /// ```
     pub fn insert_into(&self, entity: &mut EntityBuilder) {
-        fn add<T: hecs::Component + Copy>(entity: &mut EntityBuilder, component: Option<T>) {
+        fn add<T: hecs::Component + Clone>(entity: &mut EntityBuilder, component: Option<T>) {
             if let Some(component) = component {
                 entity.add(component);
             }
@@ -112,6 +117,7 @@ impl Body {
         add(entity, self.damping);
         add(entity, self.previous_pose);
         add(entity, self.id);
+        add(entity, self.collider.clone());
     }
 
     /// Spawns an entity with the body's components. Many at once come much sooner from
@@ -119,10 +125,12 @@ impl Body {
     pub fn spawn(&self, world: &mut World) -> Entity {
         // hecs knows the archetype of a tuple at once, and has to look for that of an
         // `EntityBuilder`.
-        match (self.as_tuple(), self.id) {
-            (Some(plain), None) => world.spawn(plain),
-            (Some((a, b, c, d, e, f, g)), Some(id)) => world.spawn((a, b, c, d, e, f, g, id)),
-            (None, _) => {
+        match (self.as_tuple(), self.id, self.collider.clone()) {
+            (Some(plain), None, None) => world.spawn(plain),
+            (Some((a, b, c, d, e, f, g)), Some(id), None) => world.spawn((a, b, c, d, e, f, g, id)),
+            (Some((a, b, c, d, e, f, g)), None, Some(collider)) => world.spawn((a, b, c, d, e, f, g, collider)),
+            (Some((a, b, c, d, e, f, g)), Some(id), Some(collider)) => world.spawn((a, b, c, d, e, f, g, id, collider)),
+            (None, ..) => {
                 let mut entity = EntityBuilder::new();
                 self.insert_into(&mut entity);
                 world.spawn(entity.build())
@@ -130,7 +138,8 @@ impl Body {
         }
     }
 
-    /// Spawns an entity with the body's components and the caller's own beside them.
+    /// Spawns an entity with the body's components and the caller's own beside them; where both
+    /// have a component, such as a [`Collider`], it is the caller's.
     ///
     /// ```
     /// # use tumble::prelude::*;
@@ -181,14 +190,16 @@ impl Body {
     /// Makes room in the world for more bodies of this kind, where hecs lets us: of the kind that
     /// most are.
     pub(crate) fn reserve(&self, world: &mut World, additional: u32) {
-        match (self.as_tuple(), self.id) {
-            (Some(_), None) => world.reserve::<Plain>(additional),
-            (Some(_), Some(_)) => world.reserve::<PlainWithId>(additional),
-            (None, _) => {}
+        match (self.as_tuple(), self.id, &self.collider) {
+            (Some(_), None, None) => world.reserve::<Plain>(additional),
+            (Some(_), Some(_), None) => world.reserve::<PlainWithId>(additional),
+            (Some(_), None, Some(_)) => world.reserve::<PlainWithCollider>(additional),
+            (Some(_), Some(_), Some(_)) => world.reserve::<PlainWithBoth>(additional),
+            (None, ..) => {}
         }
     }
 
-    /// The components of a body that has nothing but what most have, without its id.
+    /// The components of a body that has nothing but what most have, without its id and collider.
     fn as_tuple(&self) -> Option<Plain> {
         let plain = self.axes.is_none()
             && self.center_of_mass.is_none()

@@ -22,7 +22,7 @@ use crate::math::{Vec3, dquat, dvec3, quat, vec3};
 /// assert_eq!(error, Err(ChangeMassError::NotMoving(wall)));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ChangeMassError {
     /// The entity is gone, or no dynamic body.
@@ -38,6 +38,8 @@ pub enum ChangeMassError {
     #[error("the centre of mass {0} cannot be one of this body")]
     Center(glam::DVec3),
 }
+
+tumble_math::debug_as_display!(ChangeMassError);
 
 /// Gives a moving body another mass, centre of mass and inertia, all in its own frame: a skater who
 /// pulls in the arms, a tank that drains.

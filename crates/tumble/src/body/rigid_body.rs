@@ -5,6 +5,9 @@ use tumble_math::{Amount, InertiaTensor, MassProperties, PrincipalInertia, Shape
 
 use crate::body::body_error::BodyError;
 use crate::body::bundle::Body;
+use crate::collision::collider::Collider;
+use crate::collision::collider_error::ColliderError;
+use crate::collision::material::Material;
 use crate::components::{
     BodyId, CenterOfMass, Damping, GravityScale, Inertia, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Velocity,
     Wrench,
@@ -24,17 +27,38 @@ enum MotionType {
     Fixed,
 }
 
+/// What a body collides with others by.
+#[derive(Clone, Debug)]
+enum ColliderChoice {
+    /// Its shape, if that has a surface.
+    Shape,
+    /// This collider.
+    Given(Collider),
+    /// Nothing: others pass through it.
+    None,
+}
+
 /// A rigid body to be: says what it is made of and how it moves, and [`build`](Self::build) checks
 /// it all and makes the components.
+///
+/// It collides: the [`Collider`] is that of its shape, unless it is given
+/// [another](Self::collider) or [none](Self::without_collider). A [`Point`](Shape::Point) has no
+/// surface and so no collider, and a [`Mesh`](Shape::Mesh) is touched as its convex hull.
 ///
 /// ```
 /// use tumble::prelude::*;
 ///
 /// let mut world = hecs::World::new();
-/// let body =
-///     RigidBody::new(Shape::cylinder(0.05, 0.2)).density(800.0).position(Vec3::Y).build()?;
-/// let entity = body.spawn(&mut world);
-/// assert!(world.get::<&Mass>(entity)?.kilograms() > 2.5);
+/// spawn_ground(&mut world);
+/// let can = RigidBody::new(Shape::cylinder(0.05, 0.2))
+///     .density(800.0)
+///     .material(Material::default().with_friction(0.3))
+///     .position(Vec3::Y)
+///     .build()?
+///     .spawn(&mut world);
+/// assert!(world.get::<&Mass>(can)?.kilograms() > 2.5);
+/// Simulation::new(Settings::default())?.step_many(&mut world, 120);
+/// assert!((world.get::<&Pose>(can)?.position.y - 0.2).abs() < 1e-3); // it stands on the ground
 ///
 /// let error = RigidBody::new(Shape::sphere(0.5)).mass(-1.0).build().unwrap_err();
 /// assert_eq!(
@@ -43,6 +67,7 @@ enum MotionType {
 /// );
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias = "body builder")]
 #[derive(Clone, Debug)]
 #[must_use]
 pub struct RigidBody {
@@ -59,11 +84,16 @@ pub struct RigidBody {
     damping: Option<Damping>,
     interpolated: bool,
     id: Option<BodyId>,
+    collider: ColliderChoice,
+    material: Option<Material>,
+    /// Membership and filter.
+    groups: Option<(u32, u32)>,
+    is_sensor: bool,
 }
 
 impl RigidBody {
-    /// A body of this shape, at rest at the world's origin, that moves as forces make it. It needs
-    /// a mass or a density.
+    /// A body of this shape, at rest at the world's origin, that moves as forces make it and
+    /// collides. It needs a mass or a density.
     pub fn new(shape: Shape) -> Self {
         Self {
             shape,
@@ -79,10 +109,36 @@ impl RigidBody {
             damping: None,
             interpolated: false,
             id: None,
+            collider: ColliderChoice::Shape,
+            material: None,
+            groups: None,
+            is_sensor: false,
         }
     }
 
+    /// Infinite ground: a fixed body that fills everything below the plane y = 0 of its frame.
+    /// [`spawn_ground`](crate::spawn_ground) spawns one where it is most often wanted.
+    ///
+    /// ```
+    /// use tumble::math::Quat;
+    /// use tumble::prelude::*;
+    ///
+    /// let mut world = hecs::World::new();
+    /// // A slope of ice that falls off along x.
+    /// let slope = RigidBody::ground()
+    ///     .orientation(Quat::from_rotation_z(-0.3))
+    ///     .material(Material::default().with_friction(0.02))
+    ///     .build()?;
+    /// slope.spawn(&mut world);
+    /// # Ok::<(), tumble::BodyError>(())
+    /// ```
+    #[doc(alias("floor", "plane", "half space"))]
+    pub fn ground() -> Self {
+        Self::new(Shape::Point).fixed().collider(Collider::half_space())
+    }
+
     /// Makes it a body that does not move. It needs no mass.
+    #[doc(alias = "static")]
     pub fn fixed(self) -> Self {
         Self { motion: MotionType::Fixed, ..self }
     }
@@ -90,6 +146,7 @@ impl RigidBody {
     /// Makes it a body that moves with the velocities it is given, whatever pushes it. It needs no
     /// mass; it turns about the origin of its frame, or about the
     /// [`center_of_mass`](Self::center_of_mass) that it is given.
+    #[doc(alias("KinematicVelocityBased", "moving platform"))]
     pub fn kinematic(self) -> Self {
         Self { motion: MotionType::Kinematic, ..self }
     }
@@ -105,7 +162,7 @@ impl RigidBody {
     }
 
     /// Its inertia tensor about the centre of mass [kg m^2], in its own frame, instead of the
-    /// shape's. One that was accepted [with a tolerance](InertiaTensor::with_tolerance) moves as
+    /// shape's. One that was accepted [with a tolerance](InertiaTensor::within_tolerance) moves as
     /// its [`nearest_possible`](InertiaTensor::nearest_possible).
     pub fn inertia(self, inertia: InertiaTensor) -> Self {
         self.principal_inertia(inertia.nearest_possible().principal())
@@ -137,26 +194,31 @@ impl RigidBody {
     }
 
     /// Where the origin of its frame is in the world \[m\].
+    #[doc(alias = "translation")]
     pub fn position(self, position: Vec3) -> Self {
         Self { position, ..self }
     }
 
     /// The rotation from its frame to the world: a unit quaternion, up to 1e-3 in its length.
+    #[doc(alias = "rotation")]
     pub fn orientation(self, orientation: Quat) -> Self {
         Self { orientation, ..self }
     }
 
     /// Velocity of its centre of mass in the world frame [m/s].
+    #[doc(alias("linvel", "velocity"))]
     pub fn linear_velocity(self, velocity: Vec3) -> Self {
         Self { linear_velocity: velocity, ..self }
     }
 
     /// Its angular velocity in the world frame [rad/s].
+    #[doc(alias("angvel", "spin"))]
     pub fn angular_velocity(self, velocity: Vec3) -> Self {
         Self { angular_velocity: velocity, ..self }
     }
 
     /// How many times gravity acts on it; 0 floats.
+    #[doc(alias = "gravity factor")]
     pub fn gravity_scale(self, scale: Real) -> Self {
         Self { gravity_scale: Some(scale), ..self }
     }
@@ -174,6 +236,59 @@ impl RigidBody {
     /// Its stable identity, for snapshots, hashes and all that goes by order.
     pub fn id(self, id: BodyId) -> Self {
         Self { id: Some(id), ..self }
+    }
+
+    /// What it collides by, instead of its shape.
+    ///
+    /// ```
+    /// use tumble::{Collider, prelude::*};
+    ///
+    /// // Heavy as a slab, and touched where its two legs are.
+    /// let legs = [-0.4, 0.4].map(|x| {
+    ///     Collider::new(&Shape::cuboid([0.1, 0.3, 0.1]))?.with_offset(Pose::at(Vec3::X * x))
+    /// });
+    /// let [left, right] = legs;
+    /// let table = RigidBody::new(Shape::cuboid([0.5, 0.05, 0.5])).mass(8.0);
+    /// let table = table.collider(Collider::compound([left?, right?])?).build()?;
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn collider(self, collider: Collider) -> Self {
+        Self { collider: ColliderChoice::Given(collider), ..self }
+    }
+
+    /// Others pass through it: it gets no [`Collider`]. Where nothing in a world has one, nothing
+    /// looks for contacts.
+    ///
+    /// ```
+    /// # use tumble::{Collider, prelude::*};
+    /// # let mut world = hecs::World::new();
+    /// let ghost = RigidBody::new(Shape::sphere(0.5)).mass(1.0).without_collider().build()?;
+    /// let ghost = ghost.spawn(&mut world);
+    /// assert!(world.get::<&Collider>(ghost).is_err());
+    /// # Ok::<(), tumble::BodyError>(())
+    /// ```
+    #[doc(alias("ghost", "no collision"))]
+    pub fn without_collider(self) -> Self {
+        Self { collider: ColliderChoice::None, ..self }
+    }
+
+    /// The surface of its collider: friction, bounce, resistance to rolling.
+    #[doc(alias("friction", "restitution"))]
+    pub fn material(self, material: Material) -> Self {
+        Self { material: Some(material), ..self }
+    }
+
+    /// The collision groups of its collider, as [`Collider::with_groups`] has them.
+    #[doc(alias("collision layers", "collision groups", "mask"))]
+    pub fn groups(self, membership: u32, filter: u32) -> Self {
+        Self { groups: Some((membership, filter)), ..self }
+    }
+
+    /// Makes its collider a [sensor](Collider::sensor), which pushes nothing and tells what is in
+    /// it.
+    #[doc(alias = "trigger")]
+    pub fn sensor(self) -> Self {
+        Self { is_sensor: true, ..self }
     }
 
     /// Checks everything and computes the components.
@@ -204,7 +319,28 @@ impl RigidBody {
             MotionType::Dynamic => self.make_dynamic(&mut body, orientation)?,
         }
         body.previous_pose = self.interpolated.then_some(PreviousPose(body.pose));
+        body.collider = self.make_collider()?;
         Ok(body)
+    }
+
+    fn make_collider(self) -> Result<Option<Collider>, ColliderError> {
+        let is_asked_for = self.material.is_some() || self.groups.is_some() || self.is_sensor;
+        let mut collider = match self.collider {
+            ColliderChoice::None => return Ok(None),
+            ColliderChoice::Given(collider) => collider,
+            ColliderChoice::Shape => match Collider::new(&self.shape) {
+                // Points, and compounds of points.
+                Err(ColliderError::Shape { .. }) if !is_asked_for => return Ok(None),
+                made => made?,
+            },
+        };
+        if let Some(material) = self.material {
+            collider = collider.with_material(material)?;
+        }
+        if let Some((membership, filter)) = self.groups {
+            collider = collider.with_groups(membership, filter);
+        }
+        Ok(Some(if self.is_sensor { collider.sensor() } else { collider }))
     }
 
     fn make_dynamic(&self, body: &mut Body, orientation: DQuat) -> Result<(), BodyError> {
@@ -287,7 +423,7 @@ impl RigidBody {
     }
 }
 
-fn within(field: &'static str, value: Vec3, most: Real) -> Result<(), BodyError> {
+pub(super) fn within(field: &'static str, value: Vec3, most: Real) -> Result<(), BodyError> {
     finite(field, value)?;
     if range::within(value.into(), most) {
         return Ok(());
@@ -295,6 +431,6 @@ fn within(field: &'static str, value: Vec3, most: Real) -> Result<(), BodyError>
     Err(BodyError::TooLarge { field, value: dvec3(value), most: most.into() })
 }
 
-fn finite(field: &'static str, value: Vec3) -> Result<Vec3, BodyError> {
+pub(super) fn finite(field: &'static str, value: Vec3) -> Result<Vec3, BodyError> {
     if value.is_finite() { Ok(value) } else { Err(BodyError::NotFinite { field, value: dvec3(value) }) }
 }

@@ -17,7 +17,7 @@ use crate::math::{Vec3, dquat, dvec3, quat, vec3};
 /// # use tumble::{WeldError, weld};
 /// assert_eq!(weld(&hecs::World::new(), &[]).unwrap_err(), WeldError::NoBodies);
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum WeldError {
     /// There is no body to weld.
@@ -58,6 +58,8 @@ pub enum WeldError {
     Together(BodyError),
 }
 
+tumble_math::debug_as_display!(WeldError);
+
 /// The body that the bodies of these entities make together once they are fixed to each other as
 /// they are now: ready to be spawned, in the place of the others. The world is not changed.
 ///
@@ -67,7 +69,8 @@ pub enum WeldError {
 /// whether it has a [`PreviousPose`]; forces and what else is on the entities is left to the
 /// caller.
 ///
-/// Bodies without [`Inertia`] count as points, and do not turn.
+/// It has no [`Collider`](crate::Collider): give it one with
+/// [`spawn_with`](Body::spawn_with). Bodies without [`Inertia`] count as points, and do not turn.
 ///
 /// ```
 /// use tumble::{prelude::*, weld};

@@ -26,13 +26,11 @@ use crate::range::{LENGTHS, within};
 /// use tumble::{Collider, prelude::*};
 ///
 /// let mut world = hecs::World::new();
-/// let ground = RigidBody::new(Shape::Point).fixed().build()?.spawn(&mut world);
-/// world.insert_one(ground, Collider::half_space())?;
+/// world.spawn((Pose::default(), Collider::half_space())); // what spawn_ground does
 ///
-/// let shape = Shape::cuboid([0.5, 0.25, 0.5]);
-/// let crate_of_tea =
-///     RigidBody::new(shape.clone()).mass(10.0).position(Vec3::Y).build()?.spawn(&mut world);
-/// world.insert_one(crate_of_tea, Collider::new(&shape)?)?;
+/// // RigidBody gives it the collider of its shape.
+/// let crate_of_tea = RigidBody::new(Shape::cuboid([0.5, 0.25, 0.5])).mass(10.0).position(Vec3::Y);
+/// let crate_of_tea = crate_of_tea.build()?.spawn(&mut world);
 ///
 /// let mut simulation = Simulation::new(Settings::default())?;
 /// for _ in 0..120 {
@@ -43,6 +41,7 @@ use crate::range::{LENGTHS, within};
 /// assert!((height - 0.25).abs() < 1e-3, "{height}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("collision shape", "hitbox"))]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Collider {
     /// Shared by all copies, so that it is seen at once whether a collider is still the same.
@@ -109,6 +108,7 @@ impl Collider {
 
     /// All that is below the plane y = 0 of the body's frame: infinite ground. Nothing with
     /// momentum should have it.
+    #[doc(alias("plane", "floor", "ground"))]
     #[must_use]
     pub fn half_space() -> Self {
         Self::of(ColliderShape::HalfSpace)
@@ -155,6 +155,7 @@ impl Collider {
     /// # Errors
     /// [`ColliderError::Mesh`] names the vertex that is not finite or the triangle with an index
     /// out of range.
+    #[doc(alias("trimesh", "triangle mesh"))]
     pub fn mesh(
         vertices: impl IntoIterator<Item = impl Into<DVec3>>,
         triangles: &[[u32; 3]],
@@ -181,6 +182,7 @@ impl Collider {
     ///
     /// # Errors
     /// [`ColliderError::HeightField`] says which number is wrong, or that rows are not full.
+    #[doc(alias("heightmap", "terrain"))]
     pub fn height_field(heights: impl AsRef<[f64]>, columns: usize, spacing: [f64; 2]) -> Result<Self, ColliderError> {
         let field = HeightField::new(heights, columns, spacing)?;
         Ok(Self::of(collider_shape::checked(ColliderShape::HeightField(Arc::new(field)))?))
@@ -203,14 +205,14 @@ impl Collider {
     /// ```
     /// use tumble::{Collider, Pose, Shape, math::Vec3};
     ///
-    /// let foot = Collider::new(&Shape::sphere(0.1))?
-    ///     .with_offset(Pose { position: Vec3::Y * -0.5, ..Pose::default() })?;
+    /// let foot = Collider::new(&Shape::sphere(0.1))?.with_offset(Pose::at(Vec3::Y * -0.5))?;
     /// # Ok::<(), tumble::ColliderError>(())
     /// ```
     ///
     /// # Errors
     /// [`ColliderError::Offset`] if the position is not finite or further than 1e9 m, or the
     /// orientation not about a unit quaternion.
+    #[doc(alias = "local pose")]
     pub fn with_offset(self, offset: Pose) -> Result<Self, ColliderError> {
         let length = offset.orientation.length_squared();
         if !within(offset.position.into(), *LENGTHS.end()) || !(0.5..2.0).contains(&length) {
@@ -235,6 +237,7 @@ impl Collider {
     /// assert_eq!(shot.groups(), (SHOT, !SHOT));
     /// # Ok::<(), tumble::ColliderError>(())
     /// ```
+    #[doc(alias("collision layers", "collision groups", "collision mask", "CollisionLayers"))]
     #[must_use]
     pub fn with_groups(self, membership: u32, filter: u32) -> Self {
         let groups = Groups { membership, filter };
@@ -251,14 +254,13 @@ impl Collider {
     /// and height fields are surfaces: as sensors they sense what crosses them.
     ///
     /// ```
-    /// use tumble::{Collider, SensorEvent, prelude::*};
+    /// use tumble::{SensorEvent, prelude::*};
     ///
     /// let mut world = hecs::World::new();
-    /// let shape = Shape::cuboid([1.0, 0.1, 1.0]);
-    /// let plate = Collider::new(&shape)?.sensor();
-    /// let plate = RigidBody::new(shape).fixed().build()?.spawn_with(&mut world, (plate,));
-    /// let ball = RigidBody::new(Shape::sphere(0.2)).mass(1.0).position(Vec3::Y);
-    /// let ball = ball.build()?.spawn_with(&mut world, (Collider::new(&Shape::sphere(0.2))?,));
+    /// let plate = RigidBody::new(Shape::cuboid([1.0, 0.1, 1.0])).fixed().sensor().build()?;
+    /// let plate = plate.spawn(&mut world);
+    /// let ball = RigidBody::new(Shape::sphere(0.2)).mass(1.0).position(Vec3::Y).build()?;
+    /// let ball = ball.spawn(&mut world);
     ///
     /// let mut simulation = Simulation::new(Settings::default())?;
     /// simulation.step_many(&mut world, 60);
@@ -267,6 +269,7 @@ impl Collider {
     /// assert_eq!(events, [it, SensorEvent { begins: false, ..it }]); // it fell through
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    #[doc(alias("trigger", "is_trigger"))]
     #[must_use]
     pub fn sensor(self) -> Self {
         let parts = self.changed_parts(|part| PartSurface { is_sensor: true, ..part });

@@ -17,7 +17,7 @@ use crate::math::Real;
 /// let error = Collider::new(&Shape::compound([wheel])).unwrap_err();
 /// assert_eq!(error.to_string(), "parts[0]: radius must be a positive number, got 0");
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ColliderError {
     /// A shape without a surface.
@@ -77,3 +77,5 @@ pub enum ColliderError {
         most: Real,
     },
 }
+
+tumble_math::debug_as_display!(ColliderError);

@@ -35,12 +35,11 @@ impl Collider {
     /// use tumble::{Collider, Material, Pose, Shape, math::Vec3};
     ///
     /// // A sledge: runners of steel, and a box of wood that snow, group 2, does not touch.
-    /// let at = |y| Pose { position: Vec3::Y * y, ..Pose::default() };
     /// let runners = Collider::new(&Shape::cuboid([0.3, 0.05, 1.0]))?
     ///     .with_material(Material::new(0.02, 0.0))?;
     /// let load = Collider::new(&Shape::cuboid([0.3, 0.2, 0.6]))?
     ///     .with_groups(1, !2)
-    ///     .with_offset(at(0.25))?;
+    ///     .with_offset(Pose::at(Vec3::Y * 0.25))?;
     /// let sledge = Collider::compound([runners, load])?;
     /// assert_eq!(
     ///     sledge.materials().map(|it| it.dynamic_friction).collect::<Vec<_>>(),

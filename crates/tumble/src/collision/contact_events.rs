@@ -14,20 +14,15 @@ use crate::storage::body_index::Slot;
 /// [`Simulation::contact_events`](crate::Simulation::contact_events).
 ///
 /// ```
-/// use tumble::{Collider, ContactEvent, prelude::*};
+/// use tumble::{ContactEvent, prelude::*};
 ///
 /// let mut world = hecs::World::new();
-/// let ground = RigidBody::new(Shape::Point)
-///     .fixed()
-///     .build()?
-///     .spawn_with(&mut world, (Collider::half_space(),));
-/// let shape = Shape::sphere(0.5);
-/// let collider = Collider::new(&shape)?;
-/// let ball = RigidBody::new(shape)
+/// let ground = spawn_ground(&mut world);
+/// let ball = RigidBody::new(Shape::sphere(0.5))
 ///     .mass(2.0)
 ///     .position(Vec3::Y)
 ///     .build()?
-///     .spawn_with(&mut world, (collider,));
+///     .spawn(&mut world);
 ///
 /// let mut simulation = Simulation::new(Settings::default())?;
 /// let mut events = Vec::new();
@@ -50,6 +45,7 @@ use crate::storage::body_index::Slot;
 /// );
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("collision event", "CollisionStarted", "on_collision_enter"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ContactEvent {
     /// They touch, and did not before the step. Both bodies, in the order of

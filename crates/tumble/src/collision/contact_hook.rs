@@ -23,22 +23,18 @@ use crate::threads::InParts;
 /// surfaces may be changed. A number that is negative or not finite leaves what was there.
 ///
 /// ```
-/// use tumble::{Collider, ContactProposal, prelude::*};
+/// use tumble::{ContactProposal, prelude::*};
 ///
 /// // A platform that is solid from above, and open from below.
 /// let mut world = hecs::World::new();
-/// let slab = Shape::cuboid([2.0, 0.1, 2.0]);
-/// let platform = RigidBody::new(slab.clone())
-///     .fixed()
-///     .build()?
-///     .spawn_with(&mut world, (Collider::new(&slab)?,));
-/// let ball = |height: f64, speed: f64| -> Result<_, Box<dyn std::error::Error>> {
+/// let platform = RigidBody::new(Shape::cuboid([2.0, 0.1, 2.0])).fixed().build()?;
+/// let platform = platform.spawn(&mut world);
+/// let ball = |height: f64, speed: f64| {
 ///     let [height, speed] = [height, speed].map(|it| it as Real);
 ///     let body = RigidBody::new(Shape::sphere(0.2)).mass(1.0).position(Vec3::Y * height);
-///     Ok((body.linear_velocity(Vec3::Y * speed).build()?, (Collider::new(&Shape::sphere(0.2))?,)))
+///     body.linear_velocity(Vec3::Y * speed).build()
 /// };
-/// let (body, collider) = ball(-1.0, 7.0)?;
-/// let jumper = body.spawn_with(&mut world, collider);
+/// let jumper = ball(-1.0, 7.0)?.spawn(&mut world);
 ///
 /// let mut simulation = Simulation::new(Settings::default())?;
 /// simulation.set_contact_hook(move |contact: &mut ContactProposal| {
@@ -53,6 +49,7 @@ use crate::threads::InParts;
 /// assert!((world.get::<&Pose>(jumper)?.position.y - 0.3).abs() < 0.01);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("collision hook", "one-way platform", "PhysicsHooks"))]
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct ContactProposal {

@@ -9,12 +9,15 @@ use crate::math::{Real, Vec3};
 /// ```
 /// use tumble::{Collider, Material, Shape};
 ///
-/// let ice =
-///     Material { friction_combine: tumble::CombineRule::Minimum, ..Material::new(0.02, 0.0) };
+/// let ice = Material {
+///     friction_combine: tumble::CombineRule::Minimum,
+///     ..Material::default().with_friction(0.02)
+/// };
 /// let puck = Collider::new(&Shape::cuboid([0.04, 0.04, 0.04]))?.with_material(ice)?;
 /// assert_eq!(puck.material().dynamic_friction, 0.02);
 /// # Ok::<(), tumble::ColliderError>(())
 /// ```
+#[doc(alias("friction", "restitution", "bounciness", "physics material"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     /// Coefficient of friction while nothing slides: it begins to at a force of this times the
@@ -32,15 +35,13 @@ pub struct Material {
     /// does nothing.
     ///
     /// ```
-    /// use tumble::{Collider, Material, prelude::*};
+    /// use tumble::{Material, prelude::*};
     ///
     /// let mut world = hecs::World::new();
-    /// let belt = Material { surface_velocity: Vec3::X * 2.0, ..Material::default() };
-    /// let belt = Collider::half_space().with_material(belt)?;
-    /// RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (belt,));
-    /// let shape = Shape::cuboid([0.5, 0.2, 0.5]);
-    /// let parcel = RigidBody::new(shape.clone()).mass(3.0).position(Vec3::Y * 0.2);
-    /// let parcel = parcel.build()?.spawn_with(&mut world, (Collider::new(&shape)?,));
+    /// let belt = Material::default().with_surface_velocity(Vec3::X * 2.0);
+    /// RigidBody::ground().material(belt).build()?.spawn(&mut world);
+    /// let parcel = RigidBody::new(Shape::cuboid([0.5, 0.2, 0.5])).mass(3.0);
+    /// let parcel = parcel.position(Vec3::Y * 0.2).build()?.spawn(&mut world);
     ///
     /// let mut simulation = Simulation::new(Settings::default())?;
     /// simulation.step_many(&mut world, 120);
@@ -65,7 +66,13 @@ impl Default for Material {
 }
 
 impl Material {
-    /// A surface with one coefficient of friction.
+    /// A surface with one coefficient of friction, and a restitution.
+    ///
+    /// ```
+    /// # use tumble::Material;
+    /// let rubber = Material::default().with_friction(0.8).with_restitution(0.3);
+    /// assert_eq!(rubber, Material::new(0.8, 0.3));
+    /// ```
     #[must_use]
     pub fn new(friction: Real, restitution: Real) -> Self {
         Self {
@@ -77,6 +84,32 @@ impl Material {
             friction_combine: CombineRule::Average,
             restitution_combine: CombineRule::Average,
         }
+    }
+
+    /// The same with one coefficient of friction, at rest and while it slides.
+    #[must_use]
+    pub fn with_friction(self, friction: Real) -> Self {
+        Self { static_friction: friction, dynamic_friction: friction, ..self }
+    }
+
+    /// The same with another restitution: speed after a bounce over speed before it, from 0 to 1.
+    #[doc(alias("bounciness", "elasticity"))]
+    #[must_use]
+    pub fn with_restitution(self, restitution: Real) -> Self {
+        Self { restitution, ..self }
+    }
+
+    /// The same with another resistance to rolling, a length \[m\].
+    #[must_use]
+    pub fn with_rolling_resistance(self, rolling_resistance: Real) -> Self {
+        Self { rolling_resistance, ..self }
+    }
+
+    /// The same with a surface that moves relative to the body, in the frame of the collider [m/s].
+    #[doc(alias = "conveyor belt")]
+    #[must_use]
+    pub fn with_surface_velocity(self, surface_velocity: Vec3) -> Self {
+        Self { surface_velocity, ..self }
     }
 
     pub(crate) fn check(&self) -> Result<(), ColliderError> {
@@ -103,6 +136,7 @@ impl Material {
 /// assert_eq!(CombineRule::of((0.5, CombineRule::Multiply), (0.25, CombineRule::Minimum)), 0.25);
 /// assert_eq!(CombineRule::of((0.5, CombineRule::Multiply), (0.25, CombineRule::Multiply)), 0.125);
 /// ```
+#[doc(alias = "CoefficientCombine")]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum CombineRule {
     /// Their mean.

@@ -1,8 +1,8 @@
-//! Contacts: bodies with colliders that touch push each other.
+//! Colliders, materials and events of contacts: bodies with colliders push each other.
 //!
 //! Once a step, or a substep of the settings: bodies with colliders are gathered in the order of
 //! [`BodyId`](crate::BodyId), those near each other found, and each touching pair becomes a
-//! [`ContactRecord`](contact::ContactRecord). Then momenta and poses of all bodies that touch
+//! `ContactRecord`. Then momenta and poses of all bodies that touch
 //! something are advanced together in substeps: forces, a pass that pushes bodies apart, free
 //! motion, a pass that takes the push's velocity out again and adds friction ("Small Steps in
 //! Physics Simulation", M. Macklin and others, SCA 2019; E. Catto, "Solver2D", 2024). Bodies
@@ -41,9 +41,14 @@ pub(crate) mod sweep;
 pub(crate) mod traveller;
 pub(crate) mod update_aabbs;
 
-use hecs::World;
+pub use crate::collision::collider::Collider;
+pub use crate::collision::collider_error::ColliderError;
+pub use crate::collision::contact_events::{ContactEvent, Impact};
+pub use crate::collision::contact_hook::ContactProposal;
+pub use crate::collision::material::{CombineRule, Material};
+pub use crate::collision::sensors::SensorEvent;
 
-use crate::collision::collider::Collider;
+use hecs::World;
 
 /// Whether any contacts are possible in a world.
 pub(crate) fn are_in(world: &World) -> bool {

@@ -29,6 +29,7 @@ use crate::threads::InParts;
 /// # assert!(arrived.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("trigger event", "on_trigger_enter"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SensorEvent {
     /// The body that has the sensor.

@@ -14,6 +14,7 @@ use crate::components::velocity::Velocity;
 /// # use tumble::BodyKind;
 /// assert_eq!(BodyKind::Kinematic.to_string(), "kinematic");
 /// ```
+#[doc(alias("RigidBodyType", "kinematic", "static", "dynamic"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BodyKind {
     /// Dynamic: it has [`Momentum`]. Pose and momentum are its state.

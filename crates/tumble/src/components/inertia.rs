@@ -48,7 +48,7 @@ impl Inertia {
     /// # Ok::<(), tumble::InertiaComponentError>(())
     /// ```
     pub fn new(moments: impl Into<DVec3>) -> Result<Self, InertiaComponentError> {
-        Self::with_tolerance(moments, InertiaTensor::TOLERANCE)
+        Self::within_tolerance(moments, InertiaTensor::TOLERANCE)
     }
 
     /// The three principal moments [kg m^2], of which the largest may exceed the sum of the others
@@ -60,13 +60,13 @@ impl Inertia {
     ///
     /// ```
     /// # use tumble::Inertia;
-    /// let plate = Inertia::with_tolerance([0.345, 0.653, 1.0], 3e-3)?;
+    /// let plate = Inertia::within_tolerance([0.345, 0.653, 1.0], 3e-3)?;
     /// assert!((plate.moments().z - 0.999_333).abs() < 1e-6);
     /// # Ok::<(), tumble::InertiaComponentError>(())
     /// ```
-    pub fn with_tolerance(moments: impl Into<DVec3>, relative: f64) -> Result<Self, InertiaComponentError> {
+    pub fn within_tolerance(moments: impl Into<DVec3>, relative: f64) -> Result<Self, InertiaComponentError> {
         let matrix = glam::DMat3::from_diagonal(moments.into());
-        let possible = InertiaTensor::with_tolerance(matrix, relative)?.nearest_possible().matrix();
+        let possible = InertiaTensor::within_tolerance(matrix, relative)?.nearest_possible().matrix();
         let moments = DVec3::new(possible.x_axis.x, possible.y_axis.y, possible.z_axis.z);
         for moment in moments.to_array() {
             PropertyError::check("principal moment", moment)?;
@@ -112,7 +112,7 @@ impl Inertia {
 /// let error = Inertia::new(Vec3::new(1.0, 2.0, 3.5)).unwrap_err();
 /// assert!(matches!(error, InertiaComponentError::Impossible(_)));
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum InertiaComponentError {
     /// No rigid body has such moments.
@@ -122,6 +122,8 @@ pub enum InertiaComponentError {
     #[error(transparent)]
     Property(#[from] PropertyError),
 }
+
+tumble_math::debug_as_display!(InertiaComponentError);
 
 /// The rotation whose matrix has the principal axes, in body coordinates, as columns: it takes
 /// principal-frame coordinates to body-frame coordinates, `I_body = R diag(moments) R^T`. A body

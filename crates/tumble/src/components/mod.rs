@@ -20,6 +20,7 @@ pub use crate::components::mass::Mass;
 pub use crate::components::momentum::Momentum;
 pub use crate::components::persistent::{Damping, GravityScale};
 pub use crate::components::pose::{Pose, PreviousPose};
+pub use crate::components::property_error::PropertyError;
 pub use crate::components::velocity::Velocity;
 pub use crate::components::wind::Wind;
 pub use crate::components::work::Work;

@@ -15,6 +15,7 @@ use crate::math::Vec3;
 /// momentum.apply_angular_impulse(Vec3::Y);
 /// assert_eq!((momentum.linear, momentum.angular), (Vec3::X * 3.0, Vec3::Y));
 /// ```
+#[doc(alias("impulse", "kick"))]
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[repr(C)]
 pub struct Momentum {
@@ -26,6 +27,7 @@ pub struct Momentum {
 
 impl Momentum {
     /// Adds an impulse [N s] through the centre of mass.
+    #[doc(alias("add_impulse", "apply_linear_impulse"))]
     #[inline]
     pub fn apply_impulse(&mut self, impulse: Vec3) {
         self.linear += impulse;
@@ -40,6 +42,7 @@ impl Momentum {
     /// momentum.apply_impulse_at(Vec3::Y, Vec3::new(2.0, 0.0, 0.0), Vec3::ZERO);
     /// assert_eq!((momentum.linear, momentum.angular), (Vec3::Y, Vec3::Z * 2.0));
     /// ```
+    #[doc(alias = "apply_impulse_at_point")]
     #[inline]
     pub fn apply_impulse_at(&mut self, impulse: Vec3, point: Vec3, center: Vec3) {
         self.linear += impulse;
@@ -47,6 +50,7 @@ impl Momentum {
     }
 
     /// Adds an angular impulse [N m s] in the world frame.
+    #[doc(alias = "apply_torque_impulse")]
     #[inline]
     pub fn apply_angular_impulse(&mut self, impulse: Vec3) {
         self.angular += impulse;

@@ -14,6 +14,7 @@ use crate::math::Real;
 /// assert!(world.get::<&Pose>(balloon)?.position.y > 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("gravity_scale", "gravity factor"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(transparent)]
 pub struct GravityScale(pub Real);
@@ -33,6 +34,7 @@ pub struct GravityScale(pub Real);
 /// assert!((world.get::<&Velocity>(puck)?.linear.x - Real::exp(-2.0)).abs() < 1e-5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("linear damping", "angular damping"))]
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[repr(C)]
 pub struct Damping {

@@ -16,6 +16,7 @@ use crate::rotation::{NotARotation, quat_from_matrix};
 /// assert!((pose.transform_point(Vec3::X) - Vec3::Y * 2.0).length() < 1e-6);
 /// assert!((pose.to_mat4().transform_point3(Vec3::X) - Vec3::Y * 2.0).length() < 1e-6);
 /// ```
+#[doc(alias("transform", "isometry", "position", "rotation"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(C)]
 pub struct Pose {
@@ -32,6 +33,34 @@ impl Default for Pose {
 }
 
 impl Pose {
+    /// At a position \[m\], not turned.
+    ///
+    /// ```
+    /// # use tumble::{Pose, math::{Quat, Vec3}};
+    /// assert_eq!(Pose::at(Vec3::Y), Pose { position: Vec3::Y, ..Pose::default() });
+    /// let turned = Pose::at(Vec3::Y) * Pose::from_rotation(Quat::from_rotation_x(1.0));
+    /// assert_eq!(turned.position, Vec3::Y);
+    /// ```
+    #[doc(alias("from_translation", "from_position", "translation"))]
+    #[inline]
+    #[must_use]
+    pub fn at(position: Vec3) -> Self {
+        Self { position, ..Self::default() }
+    }
+
+    /// At the origin, turned by a unit quaternion.
+    ///
+    /// ```
+    /// # use tumble::{Pose, math::{Quat, Vec3}};
+    /// let turned = Pose::from_rotation(Quat::from_rotation_y(0.5));
+    /// assert_eq!((turned.position, turned.orientation), (Vec3::ZERO, Quat::from_rotation_y(0.5)));
+    /// ```
+    #[inline]
+    #[must_use]
+    pub fn from_rotation(rotation: Quat) -> Self {
+        Self { orientation: rotation, ..Self::default() }
+    }
+
     /// World coordinates \[m\] of a point given relative to the centre of mass along the body's
     /// axes.
     #[inline]
@@ -91,8 +120,7 @@ impl Pose {
     ///
     /// ```
     /// # use tumble::{Pose, math::{Quat, Vec3}};
-    /// # let at = |position: Vec3| Pose { position, ..Pose::default() };
-    /// # let (station, ship) = (at(Vec3::X * 3.0), at(Vec3::Y * 4.0));
+    /// # let (station, ship) = (Pose::at(Vec3::X * 3.0), Pose::at(Vec3::Y * 4.0));
     /// // The ship in the station's frame.
     /// let relative = station.inverse() * ship;
     /// assert_eq!(relative.position, Vec3::new(-3.0, 4.0, 0.0));
@@ -149,6 +177,7 @@ impl std::ops::Mul for Pose {
 /// assert!((drawn.position.x - 0.5 / 60.0).abs() < 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias = "interpolation")]
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[repr(transparent)]
 pub struct PreviousPose(pub Pose);

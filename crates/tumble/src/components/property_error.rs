@@ -8,7 +8,7 @@ use crate::math::{PRECISION, Real, real};
 /// # use tumble::{Mass, PropertyError};
 /// assert_eq!(Mass::new(-1.0), Err(PropertyError::NotPositive { quantity: "mass", value: -1.0 }));
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PropertyError {
     /// Zero, negative, NaN or infinite.
@@ -37,6 +37,8 @@ pub enum PropertyError {
         value: f64,
     },
 }
+
+tumble_math::debug_as_display!(PropertyError);
 
 impl PropertyError {
     /// Passes on a value that is positive and, like its inverse, a normal number in the build's

@@ -18,6 +18,7 @@ use crate::math::Vec3;
 /// assert!(velocity.at_point(pose.position - Vec3::Y * 0.5, pose.position).length() < 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("LinearVelocity", "AngularVelocity", "linvel", "angvel"))]
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[repr(C)]
 pub struct Velocity {

@@ -19,6 +19,7 @@ use crate::math::Vec3;
 /// assert!((world.get::<&Velocity>(crate_)?.linear.x - 5.0 / 60.0).abs() < 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("force", "torque", "ExternalForce"))]
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 #[repr(C)]
 pub struct Wrench {
@@ -30,6 +31,7 @@ pub struct Wrench {
 
 impl Wrench {
     /// Adds a force \[N\] through the centre of mass.
+    #[doc(alias = "apply_force")]
     #[inline]
     pub fn add_force(&mut self, force: Vec3) {
         self.force += force;
@@ -44,6 +46,7 @@ impl Wrench {
     /// wrench.add_force_at(Vec3::Y * 10.0, Vec3::new(0.5, 0.0, 0.0), Vec3::ZERO);
     /// assert_eq!((wrench.force, wrench.torque), (Vec3::Y * 10.0, Vec3::Z * 5.0));
     /// ```
+    #[doc(alias("apply_force_at_point", "add_force_at_point"))]
     #[inline]
     pub fn add_force_at(&mut self, force: Vec3, point: Vec3, center: Vec3) {
         self.force += force;
@@ -58,6 +61,7 @@ impl Wrench {
     }
 
     /// Adds a torque [N m] in the world frame.
+    #[doc(alias = "apply_torque")]
     #[inline]
     pub fn add_torque(&mut self, torque: Vec3) {
         self.torque += torque;

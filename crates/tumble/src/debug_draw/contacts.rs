@@ -22,20 +22,15 @@ impl DebugView {
     /// the step began, whatever [`alpha`](Self::alpha) is.
     ///
     /// ```
-    /// use tumble::{Collider, DebugView, prelude::*};
+    /// use tumble::{DebugView, prelude::*};
     ///
     /// let mut world = hecs::World::new();
-    /// RigidBody::new(Shape::Point)
-    ///     .fixed()
-    ///     .build()?
-    ///     .spawn_with(&mut world, (Collider::half_space(),));
-    /// let shape = Shape::sphere(0.5);
-    /// let collider = Collider::new(&shape)?;
-    /// RigidBody::new(shape)
+    /// spawn_ground(&mut world);
+    /// RigidBody::new(Shape::sphere(0.5))
     ///     .mass(2.0)
     ///     .position(Vec3::Y * 0.5)
     ///     .build()?
-    ///     .spawn_with(&mut world, (collider,));
+    ///     .spawn(&mut world);
     /// let mut simulation = Simulation::new(Settings::default())?;
     /// simulation.step_many(&mut world, 60);
     ///

@@ -102,6 +102,7 @@ impl<F: FnMut(Vec3, Vec3, [f32; 3])> DebugDraw for F {
 /// );
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("gizmos", "debug render", "wireframe"))]
 #[derive(Clone, Debug, PartialEq)]
 pub struct DebugView {
     /// Edges of the [`Shape`] that an entity carries. A body without one is shown as the box that

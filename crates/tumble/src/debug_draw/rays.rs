@@ -15,13 +15,10 @@ impl DebugView {
     /// thousand metres, in another colour.
     ///
     /// ```
-    /// use tumble::{Collider, DebugView, Queries, QueryFilter, Ray, prelude::*};
+    /// use tumble::{DebugView, Queries, QueryFilter, Ray, prelude::*};
     ///
     /// let mut world = hecs::World::new();
-    /// RigidBody::new(Shape::Point)
-    ///     .fixed()
-    ///     .build()?
-    ///     .spawn_with(&mut world, (Collider::half_space(),));
+    /// spawn_ground(&mut world);
     /// let ray = Ray::new(Vec3::Y * 2.0, -Vec3::Y);
     /// let hit = Queries::of(&world).cast_ray(&ray, &QueryFilter::new());
     ///

@@ -2,3 +2,6 @@
 
 pub(crate) mod ledger;
 pub(crate) mod totals;
+
+pub use crate::energy::ledger::{Ledger, LedgerEntry};
+pub use crate::energy::totals::Totals;

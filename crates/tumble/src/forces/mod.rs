@@ -12,3 +12,12 @@ pub(crate) mod spring_potential;
 pub(crate) mod stable_spring;
 pub(crate) mod tile_buffer;
 pub(crate) mod under_laws;
+
+pub use crate::forces::body_forces::BodyForces;
+pub use crate::forces::components::{
+    AngularVelocityServo, Buoyancy, ConstantWrench, Drag, Frame, Hull, Magnus, PointGravity, SpringToPoint, Thruster,
+};
+pub use crate::forces::force_law::{BodyState, ForceLaw};
+pub use crate::forces::pairwise::{GravityMass, Spring};
+pub use crate::forces::registry::ForceLaws;
+pub use crate::forces::simd_force_law::{SimdBody, SimdForceLaw, SimdWrench};

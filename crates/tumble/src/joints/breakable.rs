@@ -20,6 +20,7 @@ use crate::math::Real;
 /// assert_eq!(simulation.joint_events().collect::<Vec<_>>(), [JointEvent::Broke(joint)]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias = "break force")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Breakable {
     /// The greatest force \[N\], by the mean over a step.

@@ -25,6 +25,7 @@ use crate::math::Real;
 /// assert!((angular_velocity.y - 10.0).abs() < 1e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("motor", "servo", "actuator"))]
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Drives(pub Vec<Drive>);
 

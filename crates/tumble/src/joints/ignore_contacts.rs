@@ -11,16 +11,12 @@ use hecs::{Entity, World};
 /// [contact hooks](crate::Simulation::set_contact_hook).
 ///
 /// ```
-/// use tumble::{Collider, IgnoreContacts, prelude::*};
+/// use tumble::{IgnoreContacts, prelude::*};
 ///
 /// let mut world = hecs::World::new();
-/// let ground = RigidBody::new(Shape::Point)
-///     .fixed()
-///     .build()?
-///     .spawn_with(&mut world, (Collider::half_space(),));
-/// let shape = Shape::sphere(0.5);
-/// let ball = RigidBody::new(shape.clone()).mass(1.0).position(Vec3::Y);
-/// let ball = ball.build()?.spawn_with(&mut world, (Collider::new(&shape)?,));
+/// let ground = spawn_ground(&mut world);
+/// let ball = RigidBody::new(Shape::sphere(0.5)).mass(1.0).position(Vec3::Y).build()?;
+/// let ball = ball.spawn(&mut world);
 /// world.spawn((IgnoreContacts::between(ground, ball),));
 ///
 /// let mut simulation = Simulation::new(Settings::default())?;
@@ -28,6 +24,7 @@ use hecs::{Entity, World};
 /// assert!(world.get::<&Pose>(ball)?.position.y < -3.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("collision filter", "ignore collision"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IgnoreContacts {
     /// The two.

@@ -34,6 +34,7 @@ use crate::range::{MAX_DISTANCE_OF_CONTACTS, is_rotation, within};
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("constraint", "fixed joint", "revolute joint", "prismatic joint", "spherical joint", "distance joint"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Joint {
     /// What it connects.
@@ -49,51 +50,59 @@ pub struct Joint {
 
 impl Joint {
     /// A joint that leaves these axes free, from centre of mass to centre of mass.
-    pub fn with_free(a: Entity, b: Entity, free: Axes) -> Self {
+    #[doc(alias("generic joint", "six degrees of freedom"))]
+    pub fn free_along(a: Entity, b: Entity, free: Axes) -> Self {
         Self { bodies: [a, b], frames: [Pose::default(); 2], free, contacts_enabled: false }
     }
 
     /// A ball and socket: three free rotations.
+    #[doc(alias("spherical joint", "point-to-point", "ball and socket"))]
     pub fn ball(a: Entity, b: Entity) -> Self {
-        Self::with_free(a, b, Axes::ANGULAR)
+        Self::free_along(a, b, Axes::ANGULAR)
     }
 
     /// A hinge: free rotation about x of the frames.
+    #[doc(alias("revolute joint", "door"))]
     pub fn hinge(a: Entity, b: Entity) -> Self {
-        Self::with_free(a, b, Axes::ANGULAR_X)
+        Self::free_along(a, b, Axes::ANGULAR_X)
     }
 
     /// A slider: free translation along x of the first frame.
+    #[doc(alias("prismatic joint", "piston"))]
     pub fn slider(a: Entity, b: Entity) -> Self {
-        Self::with_free(a, b, Axes::LINEAR_X)
+        Self::free_along(a, b, Axes::LINEAR_X)
     }
 
     /// A cylinder in a sleeve: free translation along x, and rotation about it.
+    #[doc(alias = "cylindrical joint")]
     pub fn cylinder(a: Entity, b: Entity) -> Self {
-        Self::with_free(a, b, Axes::LINEAR_X | Axes::ANGULAR_X)
+        Self::free_along(a, b, Axes::LINEAR_X | Axes::ANGULAR_X)
     }
 
     /// A universal joint: free rotation about x of the first frame and y of the second, which stay
     /// at right angles.
+    #[doc(alias = "cardan joint")]
     pub fn universal(a: Entity, b: Entity) -> Self {
-        Self::with_free(a, b, Axes::ANGULAR_X | Axes::ANGULAR_Y)
+        Self::free_along(a, b, Axes::ANGULAR_X | Axes::ANGULAR_Y)
     }
 
     /// A plate on a plane: free translation along y and z of the first frame, and rotation about x,
     /// the normal.
     pub fn planar(a: Entity, b: Entity) -> Self {
-        Self::with_free(a, b, Axes::LINEAR_Y | Axes::LINEAR_Z | Axes::ANGULAR_X)
+        Self::free_along(a, b, Axes::LINEAR_Y | Axes::LINEAR_Z | Axes::ANGULAR_X)
     }
 
     /// A weld: no free axis.
+    #[doc(alias("fixed joint", "weld joint", "lock"))]
     pub fn fixed(a: Entity, b: Entity) -> Self {
-        Self::with_free(a, b, Axes::NONE)
+        Self::free_along(a, b, Axes::NONE)
     }
 
     /// All axes free, for [`Limits`](crate::Limits), [`Drives`](crate::Drives) and friction: a
     /// rope, a rod, a bungee.
+    #[doc(alias("distance joint", "rope joint"))]
     pub fn free(a: Entity, b: Entity) -> Self {
-        Self::with_free(a, b, Axes::LINEAR | Axes::ANGULAR)
+        Self::free_along(a, b, Axes::LINEAR | Axes::ANGULAR)
     }
 
     /// The same with both frames at a point of the world \[m\], x along an axis, where the bodies

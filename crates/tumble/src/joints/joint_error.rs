@@ -14,7 +14,7 @@ use hecs::Entity;
 /// assert_eq!(error, JointError::SameBody(door));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum JointError {
     /// Both ends are the same entity.
@@ -30,3 +30,5 @@ pub enum JointError {
     #[error("the axis of the joint between {0:?} and {1:?} is zero or not finite")]
     Axis(Entity, Entity),
 }
+
+tumble_math::debug_as_display!(JointError);

@@ -26,6 +26,7 @@ use crate::math::Real;
 /// assert!((world.get::<&JointLoad>(hinge)?.values[3] + 0.5).abs() < 1e-4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias = "joint limits")]
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Limits {
     /// Of each axis alone, in the order of [`JointLoad::values`](crate::JointLoad::values):
@@ -46,16 +47,19 @@ impl Limits {
 
     /// A rope: the origins are at most this far apart \[m\]. It wants a joint with all axes free,
     /// [`Joint::free`](crate::Joint::free).
+    #[doc(alias("rope joint", "distance joint", "tether"))]
     pub fn rope(length: Real) -> Self {
         Self { distance: Some(Limit::new(0.0, length)), ..Self::default() }
     }
 
     /// A rod: the origins are this far apart \[m\]. It wants a joint with all axes free.
+    #[doc(alias = "distance joint")]
     pub fn rod(length: Real) -> Self {
         Self { distance: Some(Limit::new(length, length)), ..Self::default() }
     }
 
     /// A cone: the x axes of both frames are within this angle \[rad\] of each other.
+    #[doc(alias = "swing limit")]
     pub fn cone(half_angle: Real) -> Self {
         Self { cone: Some(Cone { half_angles: [half_angle; 2], gain: Gain::Rigid }), ..Self::default() }
     }

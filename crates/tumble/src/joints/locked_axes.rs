@@ -31,6 +31,7 @@ use crate::joints::axes::Axes;
 /// assert_eq!(world.get::<&Pose>(body)?.orientation.x, 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("freeze rotation", "constraints", "lock rotation", "2d"))]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[repr(transparent)]
 pub struct LockedAxes(pub Axes);

@@ -1,4 +1,4 @@
-//! Joints between bodies: the component, what it leaves free, and those of a world by slot.
+//! Joints between bodies, with limits, drives, friction and gears; locked axes.
 
 pub(crate) mod axes;
 pub(crate) mod axis_lock;
@@ -17,10 +17,21 @@ pub(crate) mod joint_options;
 pub(crate) mod limits;
 pub(crate) mod locked_axes;
 
-use hecs::World;
+pub use crate::joints::axes::Axes;
+pub use crate::joints::breakable::Breakable;
+pub use crate::joints::drives::{Drive, Drives};
+pub use crate::joints::friction::JointFriction;
+pub use crate::joints::gain::Gain;
+pub use crate::joints::gear::Gear;
+pub use crate::joints::ignore_contacts::IgnoreContacts;
+pub use crate::joints::joint::Joint;
+pub use crate::joints::joint_error::JointError;
+pub use crate::joints::joint_event::JointEvent;
+pub use crate::joints::joint_load::JointLoad;
+pub use crate::joints::limits::{Cone, Limit, Limits};
+pub use crate::joints::locked_axes::LockedAxes;
 
-use crate::joints::joint::Joint;
-use crate::joints::locked_axes::LockedAxes;
+use hecs::World;
 
 /// Whether there are joints in a world, or bodies with locked axes.
 pub(crate) fn are_in(world: &World) -> bool {

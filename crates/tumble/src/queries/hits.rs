@@ -7,16 +7,14 @@ use crate::math::{Real, Vec3};
 /// What a ray meets first of a body.
 ///
 /// ```
-/// use tumble::{Collider, QueryFilter, Ray, prelude::*};
+/// use tumble::{QueryFilter, Ray, prelude::*};
 ///
 /// let mut world = hecs::World::new();
-/// let shape = Shape::cuboid([1.0, 1.0, 1.0]);
-/// let collider = Collider::new(&shape)?;
-/// let wall = RigidBody::new(shape)
+/// let wall = RigidBody::new(Shape::cuboid([1.0, 1.0, 1.0]))
 ///     .fixed()
 ///     .position(Vec3::X * 5.0)
 ///     .build()?
-///     .spawn_with(&mut world, (collider,));
+///     .spawn(&mut world);
 ///
 /// let simulation = Simulation::new(Settings::default())?;
 /// let hit = simulation
@@ -27,6 +25,7 @@ use crate::math::{Real, Vec3};
 /// assert_eq!((hit.point, hit.normal), (Vec3::X * 4.0, -Vec3::X));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias = "raycast hit")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RayHit {
@@ -51,10 +50,7 @@ pub struct RayHit {
 /// use tumble::{Collider, QueryFilter, prelude::*};
 ///
 /// let mut world = hecs::World::new();
-/// let ground = RigidBody::new(Shape::Point)
-///     .fixed()
-///     .build()?
-///     .spawn_with(&mut world, (Collider::half_space(),));
+/// let ground = spawn_ground(&mut world);
 ///
 /// let simulation = Simulation::new(Settings::default())?;
 /// let (ball, from) =
@@ -66,6 +62,7 @@ pub struct RayHit {
 /// assert_eq!((hit.entity, hit.distance, hit.normal), (ground, 2.5, Vec3::Y));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("shapecast hit", "time of impact", "toi"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct ShapeHit {

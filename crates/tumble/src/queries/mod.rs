@@ -8,3 +8,9 @@ pub(crate) mod query_filter;
 pub(crate) mod query_index;
 pub(crate) mod ray;
 pub(crate) mod world_queries;
+
+pub use crate::queries::hits::{PartHit, PointHit, RayHit, ShapeHit};
+pub use crate::queries::query_filter::QueryFilter;
+pub use crate::queries::query_index::QueryIndex;
+pub use crate::queries::ray::Ray;
+pub use crate::queries::world_queries::Queries;

@@ -30,6 +30,7 @@ use crate::components::BodyKind;
 /// assert_eq!(first(&QueryFilter::new().without_dynamic()), None);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("SpatialQueryFilter", "mask"))]
 #[derive(Clone, Copy)]
 pub struct QueryFilter<'a> {
     groups: Groups,
@@ -82,6 +83,7 @@ impl<'a> QueryFilter<'a> {
     /// those are found that would touch a collider with these groups.
     ///
     /// [`Collider::with_groups`]: crate::Collider::with_groups
+    #[doc(alias("collision layers", "mask"))]
     #[must_use]
     pub fn with_groups(self, membership: u32, filter: u32) -> Self {
         Self { groups: Groups::new(membership, filter), ..self }
@@ -123,6 +125,7 @@ impl<'a> QueryFilter<'a> {
     }
 
     /// [Sensors](crate::Collider::sensor) too.
+    #[doc(alias = "trigger")]
     #[must_use]
     pub fn with_sensors(self) -> Self {
         Self { roles: [true; 2], ..self }

@@ -15,6 +15,7 @@ use crate::math::{Real, Vec3, dvec3};
 /// assert_eq!(ray.max_distance, 5.0);
 /// assert_eq!(Ray::new(Vec3::Y, Vec3::X * 2.0).at(3.0), Vec3::new(3.0, 1.0, 0.0));
 /// ```
+#[doc(alias = "raycast")]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// Where it begins, world frame \[m\].

@@ -33,16 +33,17 @@ use crate::threads::{Effort, InParts};
 /// `docs/queries.md`.
 ///
 /// ```
-/// use tumble::{Collider, Queries, QueryFilter, Ray, prelude::*};
+/// use tumble::{Queries, QueryFilter, Ray, prelude::*};
 ///
 /// let mut world = hecs::World::new();
-/// RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (Collider::half_space(),));
+/// spawn_ground(&mut world);
 ///
 /// let queries = Queries::of(&world);
 /// let hit = queries.cast_ray(&Ray::new(Vec3::Y * 2.0, -Vec3::Y), &QueryFilter::new());
 /// assert_eq!(hit.map(|hit| hit.distance), Some(2.0));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("query pipeline", "SpatialQuery", "raycast", "shapecast"))]
 #[derive(Clone, Debug)]
 pub struct Queries<'a> {
     index: Index<'a>,
@@ -110,6 +111,7 @@ impl<'a> Queries<'a> {
 
     /// What a ray meets first. Solid shapes are met at no distance by a ray that begins inside;
     /// meshes and height fields are surfaces, and are met from both sides.
+    #[doc(alias("raycast", "ray cast", "ray_test"))]
     #[must_use]
     pub fn cast_ray(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Option<RayHit> {
         let ray = ray.wide()?;
@@ -124,13 +126,10 @@ impl<'a> Queries<'a> {
     /// What each of many rays meets first; in parallel where that is worth it.
     ///
     /// ```
-    /// use tumble::{Collider, QueryFilter, Ray, prelude::*};
+    /// use tumble::{QueryFilter, Ray, prelude::*};
     ///
     /// let mut world = hecs::World::new();
-    /// RigidBody::new(Shape::Point)
-    ///     .fixed()
-    ///     .build()?
-    ///     .spawn_with(&mut world, (Collider::half_space(),));
+    /// spawn_ground(&mut world);
     ///
     /// let simulation = Simulation::new(Settings::default())?;
     /// let rays = [1.0, 2.0, 3.0].map(|y| Ray::new(Vec3::Y * y, -Vec3::Y));
@@ -138,6 +137,7 @@ impl<'a> Queries<'a> {
     /// assert!(hits.iter().map(|hit| hit.unwrap().distance).eq([1.0, 2.0, 3.0]));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    #[doc(alias = "raycast_many")]
     #[must_use]
     pub fn cast_rays(&self, rays: &[Ray], filter: &QueryFilter<'_>) -> Vec<Option<RayHit>> {
         let mut hits = vec![None; rays.len()];
@@ -152,6 +152,7 @@ impl<'a> Queries<'a> {
 
     /// Whether a ray meets anything: whether one point can be seen from another, with
     /// [`Ray::between`].
+    #[doc(alias("line of sight", "raycast_any"))]
     #[must_use]
     pub fn is_blocked(&self, ray: &Ray, filter: &QueryFilter<'_>) -> bool {
         let mut is_met = false;
@@ -183,6 +184,7 @@ impl<'a> Queries<'a> {
     /// assert_eq!(hits.iter().map(|hit| hit.distance).collect::<Vec<_>>(), [0.75, 1.75]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    #[doc(alias("raycast_all", "ray_hits", "intersect_ray"))]
     #[must_use]
     pub fn cast_ray_through(&self, ray: &Ray, filter: &QueryFilter<'_>) -> Vec<RayHit> {
         let Some(ray) = ray.wide() else { return Vec::new() };
@@ -229,6 +231,7 @@ impl<'a> Queries<'a> {
     ///
     /// What it overlaps from the beginning it meets at no distance, whichever way it goes; what it
     /// touches and leaves it does not meet.
+    #[doc(alias("shapecast", "shape cast", "sweep test", "spherecast"))]
     #[must_use]
     pub fn cast_shape(&self, shape: &Collider, from: &Pose, way: Vec3, filter: &QueryFilter<'_>) -> Option<ShapeHit> {
         let from = placement(shape, from);
@@ -291,6 +294,7 @@ impl<'a> Queries<'a> {
     /// assert!(queries.overlapping(&collider, &at(1.1), &QueryFilter::new()).is_empty());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    #[doc(alias("intersect_shape", "overlap test"))]
     #[must_use]
     pub fn overlapping(&self, shape: &Collider, at: &Pose, filter: &QueryFilter<'_>) -> Vec<PartHit> {
         let at = placement(shape, at);
@@ -307,6 +311,7 @@ impl<'a> Queries<'a> {
 
     /// All that a point \[m\] is inside of, in the order of [`BodyOrder`](crate::BodyOrder). Meshes
     /// and height fields, which are surfaces, have no inside.
+    #[doc(alias("intersect_point", "point_intersections", "pick"))]
     #[must_use]
     pub fn containing(&self, point: Vec3, filter: &QueryFilter<'_>) -> Vec<PartHit> {
         let aabb = Aabb { low: point.into(), high: point.into() };
@@ -336,6 +341,7 @@ impl<'a> Queries<'a> {
     /// assert_eq!(found, [ball]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    #[doc(alias("aabb query", "intersect_aabb"))]
     #[must_use]
     pub fn in_box(&self, low: Vec3, high: Vec3, filter: &QueryFilter<'_>) -> Vec<Entity> {
         let aabb = Aabb { low: low.into(), high: high.into() };
@@ -371,6 +377,7 @@ impl<'a> Queries<'a> {
     }
 
     /// What is nearest to a point, if it is not further away than this \[m\].
+    #[doc(alias("project_point", "closest point"))]
     #[must_use]
     pub fn nearest(&self, point: Vec3, max_distance: Real, filter: &QueryFilter<'_>) -> Option<PointHit> {
         let (place, max) = (dvec3(point), f64::from(max_distance));

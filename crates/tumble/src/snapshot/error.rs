@@ -13,7 +13,7 @@ use crate::math::PRECISION;
 ///     SnapshotError::NotASnapshot
 /// );
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SnapshotError {
     /// Bodies that a step moves have no [`BodyId`], so nothing could say later which they were.
@@ -127,6 +127,8 @@ pub enum SnapshotError {
     },
 }
 
+tumble_math::debug_as_display!(SnapshotError);
+
 /// Why a contact of a file cannot be one.
 ///
 /// ```
@@ -135,7 +137,7 @@ pub enum SnapshotError {
 /// let error = SnapshotError::Contact { contact: 3, defect: ContactDefect::Pull };
 /// assert_eq!(error.to_string(), "contact 3 has an impulse that pulls");
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContactDefect {
     /// A part of the whole is not from 0 to 1.
@@ -163,3 +165,5 @@ pub enum ContactDefect {
     #[error("has an impulse that pulls")]
     Pull,
 }
+
+tumble_math::debug_as_display!(ContactDefect);

@@ -1,4 +1,4 @@
-//! The state of all bodies at one moment, to come back to.
+//! The state of all bodies at one moment, to come back to; rollback, hashes, states as arrays.
 
 pub(crate) mod bytes;
 pub(crate) mod contact_bytes;
@@ -13,15 +13,23 @@ pub(crate) mod state_arrays;
 pub(crate) mod state_hash;
 pub(crate) mod state_rates;
 
+pub use crate::clock::Clock;
+pub use crate::snapshot::error::{ContactDefect, SnapshotError};
+pub use crate::snapshot::rollback::{Rollback, RollbackError};
+pub use crate::snapshot::state_arrays::{
+    STATE_SIZE, StateArrayError, array_to_derived_state, array_to_state, state_to_array,
+};
+pub use crate::snapshot::state_hash::state_hash;
+pub use crate::snapshot::state_rates::derivative_to_array;
+pub use crate::storage::body_order::BodyOrder;
+
 use crate::components::BodyKind;
-use crate::snapshot::error::SnapshotError;
 pub(crate) use crate::snapshot::row_map::Matching;
 
 use std::ops::Range;
 
 use hecs::{Archetype, Entity, World};
 
-use crate::clock::Clock;
 use crate::collision::saved_contacts::SavedContacts;
 use crate::components::{BodyId, Momentum, Pose, PreviousPose, Velocity, Wrench};
 use crate::math::Real;
@@ -63,6 +71,7 @@ use crate::snapshot::state_hash::{Fnv, canonical};
 /// assert_eq!(state_hash(&world, &BodyOrder::of(&world)), there.state_hash());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("save", "serialize", "load"))]
 #[derive(Clone, Debug, Default)]
 pub struct Snapshot {
     /// One identity a row: moving bodies, then kinematic ones, then fixed ones. No two are the

@@ -14,17 +14,12 @@ impl Simulation {
     /// run goes on from, to the bit. To be taken between steps, as [`Snapshot::capture`].
     ///
     /// ```
-    /// use tumble::{BodyOrder, Collider, Snapshot, prelude::*, state_hash};
+    /// use tumble::{BodyOrder, Snapshot, prelude::*, state_hash};
     ///
     /// let mut world = tumble::hecs::World::new();
-    /// RigidBody::new(Shape::Point)
-    ///     .fixed()
-    ///     .build()?
-    ///     .spawn_with(&mut world, (Collider::half_space(),));
-    /// let shape = Shape::cuboid([0.5, 0.5, 0.5]);
-    /// let collider = Collider::new(&shape)?;
-    /// let crate_of_tea = RigidBody::new(shape).mass(2.0).position(Vec3::Y * 0.51).id(BodyId(1));
-    /// crate_of_tea.build()?.spawn_with(&mut world, (collider,));
+    /// spawn_ground(&mut world);
+    /// let crate_of_tea = RigidBody::new(Shape::cuboid([0.5, 0.5, 0.5])).mass(2.0).id(BodyId(1));
+    /// crate_of_tea.position(Vec3::Y * 0.51).build()?.spawn(&mut world);
     /// let mut simulation = Simulation::new(Settings::default())?;
     /// simulation.step_many(&mut world, 30);
     ///

@@ -47,6 +47,7 @@ use crate::step::systems::update_derived;
 /// assert!((play(2, &thrusts)? - 1.0).abs() < 1e-6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("netcode", "rewind"))]
 #[derive(Clone, Debug)]
 pub struct Rollback {
     most: usize,
@@ -179,7 +180,7 @@ fn step_of(snapshot: &Snapshot) -> u64 {
 /// assert_eq!(error, RollbackError::NotKept { saves: 1, kept: 1 });
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RollbackError {
     /// Fewer snapshots are kept than that.
@@ -202,3 +203,5 @@ pub enum RollbackError {
     #[error(transparent)]
     Snapshot(#[from] SnapshotError),
 }
+
+tumble_math::debug_as_display!(RollbackError);

@@ -24,7 +24,7 @@ pub const STATE_SIZE: usize = 13;
 ///     state_to_array(&world, &BodyOrder::moving(&world), &mut [0.0; STATE_SIZE]).unwrap_err();
 /// assert_eq!(error, StateArrayError::Length { found: 13, bodies: 0, expected: 0 });
 /// ```
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StateArrayError {
     /// The array's length is not [`STATE_SIZE`] times the number of bodies.
@@ -41,6 +41,8 @@ pub enum StateArrayError {
     #[error("entity {0:?} is not a moving body: it needs Pose, Momentum and Mass")]
     NotMoving(Entity),
 }
+
+tumble_math::debug_as_display!(StateArrayError);
 
 /// One body's 13 numbers.
 pub(crate) struct Numbers<'a>(pub(crate) &'a mut [Real]);

@@ -25,20 +25,15 @@ impl Simulation {
     /// a restore the impulses of contacts are taken for those of substeps of these settings.
     ///
     /// ```
-    /// use tumble::{Collider, prelude::*};
+    /// use tumble::prelude::*;
     ///
     /// let mut world = hecs::World::new();
-    /// RigidBody::new(Shape::Point)
-    ///     .fixed()
-    ///     .build()?
-    ///     .spawn_with(&mut world, (Collider::half_space(),));
-    /// let shape = Shape::cuboid([0.5, 0.5, 0.5]);
-    /// let collider = Collider::new(&shape)?;
-    /// let stone = RigidBody::new(shape)
+    /// spawn_ground(&mut world);
+    /// let stone = RigidBody::new(Shape::cuboid([0.5, 0.5, 0.5]))
     ///     .mass(2.0)
     ///     .position(Vec3::Y * 0.5)
     ///     .build()?
-    ///     .spawn_with(&mut world, (collider,));
+    ///     .spawn(&mut world);
     ///
     /// let mut simulation = Simulation::new(Settings::default())?;
     /// simulation.step_many(&mut world, 60);

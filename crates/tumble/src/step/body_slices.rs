@@ -67,7 +67,7 @@ pub struct BodySlices<'a> {
 ///     .unwrap_err();
 /// assert_eq!(error, LengthMismatch { column: "mass", rows: 0, bodies: 1 });
 /// ```
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{column} has {rows} rows, and there are {bodies} poses")]
 pub struct LengthMismatch {
     /// The component.
@@ -77,6 +77,8 @@ pub struct LengthMismatch {
     /// The length of the poses.
     pub bodies: usize,
 }
+
+tumble_math::debug_as_display!(LengthMismatch);
 
 impl<'a> BodySlices<'a> {
     /// What every body has; the other components are set on the result.

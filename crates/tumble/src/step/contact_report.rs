@@ -19,20 +19,15 @@ use crate::step::simulation::Simulation;
 /// been stopped in an earlier substep, whose impulse is not told.
 ///
 /// ```
-/// use tumble::{Collider, prelude::*};
+/// use tumble::prelude::*;
 ///
 /// let mut world = hecs::World::new();
-/// let ground = RigidBody::new(Shape::Point)
-///     .fixed()
-///     .build()?
-///     .spawn_with(&mut world, (Collider::half_space(),));
-/// let shape = Shape::cuboid([0.5, 0.5, 0.5]);
-/// let collider = Collider::new(&shape)?;
-/// let body = RigidBody::new(shape)
+/// let ground = spawn_ground(&mut world);
+/// let body = RigidBody::new(Shape::cuboid([0.5, 0.5, 0.5]))
 ///     .mass(2.0)
 ///     .position(Vec3::Y * 0.5)
 ///     .build()?
-///     .spawn_with(&mut world, (collider,));
+///     .spawn(&mut world);
 ///
 /// let mut simulation = Simulation::new(Settings::default())?;
 /// simulation.step_many(&mut world, 60);
@@ -61,18 +56,15 @@ pub struct Contact {
 /// Where two bodies touch; see [`Contact`].
 ///
 /// ```
-/// # use tumble::{Collider, prelude::*};
+/// # use tumble::prelude::*;
 /// # let mut world = hecs::World::new();
-/// # let ground = RigidBody::new(Shape::Point).fixed().build()?;
-/// # ground.spawn_with(&mut world, (Collider::half_space(),));
-/// # let shape = Shape::sphere(0.5);
-/// # let collider = Collider::new(&shape)?;
+/// # spawn_ground(&mut world);
 /// // A ball half a centimetre above the ground, at rest.
-/// RigidBody::new(shape)
+/// RigidBody::new(Shape::sphere(0.5))
 ///     .mass(2.0)
 ///     .position(Vec3::Y * 0.505)
 ///     .build()?
-///     .spawn_with(&mut world, (collider,));
+///     .spawn(&mut world);
 /// let mut simulation = Simulation::new(Settings::default())?;
 /// simulation.step(&mut world);
 /// let contact = simulation.contacts().next().unwrap();
@@ -208,13 +200,12 @@ impl Simulation {
     /// beyond that are in the number.
     ///
     /// ```
-    /// use tumble::{Collider, prelude::*};
+    /// use tumble::prelude::*;
     ///
     /// let mut world = hecs::World::new();
     /// let shape = Shape::sphere(0.5);
     /// for _ in 0..200 {
-    ///     let collider = Collider::new(&shape)?;
-    ///     RigidBody::new(shape.clone()).mass(1.0).build()?.spawn_with(&mut world, (collider,));
+    ///     RigidBody::new(shape.clone()).mass(1.0).build()?.spawn(&mut world);
     /// }
     /// let mut simulation = Simulation::new(Settings::default())?;
     /// simulation.step(&mut world);

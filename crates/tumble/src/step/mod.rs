@@ -1,4 +1,4 @@
-//! The step: force accumulation, integration and derived quantities, chunk by chunk.
+//! The step, whole, phase by phase or as single systems; contacts and times that it reports.
 
 pub(crate) mod body_forces;
 pub(crate) mod body_slices;
@@ -7,6 +7,8 @@ pub(crate) mod effort;
 pub(crate) mod interacting;
 pub(crate) mod interactions;
 pub(crate) mod joint_report;
+#[cfg(feature = "tracing")]
+pub(crate) mod mistakes;
 pub(crate) mod pack_key;
 pub(crate) mod phase_times;
 pub(crate) mod phased_step;
@@ -14,35 +16,42 @@ pub(crate) mod sensor_report;
 pub(crate) mod simulation;
 pub(crate) mod systems;
 
+pub use crate::step::body_slices::{BodySlices, LengthMismatch};
+pub use crate::step::contact_report::{Contact, ContactPoint};
+pub use crate::step::phase_times::PhaseTimes;
+pub use crate::step::phased_step::{Step, StepPhase};
+pub use crate::step::simulation::{Simulation, StepHooks};
+pub use crate::step::systems::{
+    accumulate_forces, integrate, integrate_under_laws, move_kinematic_bodies, remember_poses, update_derived,
+};
+
 use hecs::World;
 
 use crate::clock::Clock;
 use crate::components::Wrenches;
 use crate::forces::registry::ForceLaws;
 use crate::forces::under_laws::for_each_chunk_under;
-use crate::integrators::kinematic::move_kinematic_bodies;
+use crate::integrators::kinematic;
 use crate::settings::Settings;
 use crate::step::effort::effort_of_steps;
 use crate::step::interacting::{InteractingWorld, step_interacting};
 use crate::step::interactions::Interactions;
-use crate::step::phase_times::PhaseTimes;
-use crate::step::phased_step::StepPhase;
 use crate::step::systems::{accumulate_forces_of, integrate_bodies, remember_poses_of, step_chunk, update_derived_of};
 
 /// Advances every body of the world by `settings.dt`: the three systems, the motion of kinematic
 /// bodies, and [`PreviousPose`](crate::PreviousPose).
 ///
 /// All systems run on a chunk of bodies while it is in cache.
-/// [`accumulate_forces`](crate::accumulate_forces), [`integrate`](crate::integrate) and
-/// [`update_derived`](crate::update_derived), one after the other over the whole world, give moving
+/// [`accumulate_forces`], [`integrate`] and
+/// [`update_derived`], one after the other over the whole world, give moving
 /// bodies the same bits, with one exception: what a [`Spring`](crate::Spring) or
 /// [`GravityMass`](crate::GravityMass) ties to a kinematic body, since a step moves that one along
 /// in every substep.
 ///
 /// Nothing is kept for the next step here: contacts begin each without the impulses that held
-/// bodies in the last, so piles sink and creep. A [`Simulation`](crate::Simulation) keeps them.
+/// bodies in the last, so piles sink and creep. A [`Simulation`] keeps them.
 ///
-/// The settings are not [validated](Settings::validate) here; [`Simulation`](crate::Simulation)
+/// The settings are not [validated](Settings::validate) here; [`Simulation`]
 /// does that once, and knows the force laws and the time.
 ///
 /// ```
@@ -105,6 +114,6 @@ fn steps_here(
                 stopwatch.end_of(StepPhase::UpdateDerived);
             }
         });
-        move_kinematic_bodies(world, settings.dt, steps);
+        kinematic::move_kinematic_bodies(world, settings.dt, steps);
     }
 }

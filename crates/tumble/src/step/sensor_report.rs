@@ -33,13 +33,12 @@ impl Simulation {
     /// bodies: each as the event with which it came in.
     ///
     /// ```
-    /// use tumble::{Collider, prelude::*};
+    /// use tumble::prelude::*;
     ///
     /// let mut world = hecs::World::new();
-    /// let water = Collider::new(&Shape::cuboid([5.0, 1.0, 5.0]))?.sensor();
-    /// let water = RigidBody::new(Shape::Point).fixed().build()?.spawn_with(&mut world, (water,));
-    /// let ball = RigidBody::new(Shape::sphere(0.2)).mass(1.0).build()?;
-    /// let ball = ball.spawn_with(&mut world, (Collider::new(&Shape::sphere(0.2))?,));
+    /// let water = RigidBody::new(Shape::cuboid([5.0, 1.0, 5.0])).fixed().sensor().build()?;
+    /// let water = water.spawn(&mut world);
+    /// let ball = RigidBody::new(Shape::sphere(0.2)).mass(1.0).build()?.spawn(&mut world);
     ///
     /// let mut simulation = Simulation::new(Settings::default())?;
     /// simulation.step(&mut world);

@@ -39,6 +39,7 @@ use crate::step::steps_under_laws;
 /// assert!((pose.position.y + 0.5 * 9.81).abs() < 1e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("PhysicsWorld", "PhysicsPipeline", "ccd", "bullet", "continuous collision detection", "sleeping"))]
 #[derive(Clone, Debug)]
 pub struct Simulation {
     settings: Settings,
@@ -60,6 +61,8 @@ pub struct Simulation {
     /// Frame time that no step has covered yet \[s\], in [0, dt).
     owed: f64,
     queries: QueryCache,
+    #[cfg(feature = "tracing")]
+    mistakes: crate::step::mistakes::Mistakes,
 }
 
 /// Callbacks before and after every step of
@@ -118,6 +121,8 @@ impl Simulation {
             since: (0, 0.0),
             owed: 0.0,
             queries: QueryCache::default(),
+            #[cfg(feature = "tracing")]
+            mistakes: crate::step::mistakes::Mistakes::default(),
         })
     }
 
@@ -165,6 +170,7 @@ impl Simulation {
     /// assert!((hit.distance - (0.5 * 9.81 - 0.5)).abs() < 1e-3); // it has fallen for a second
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
+    #[doc(alias("raycast", "shapecast"))]
     pub fn queries<'a>(&self, world: &'a World) -> Queries<'a> {
         self.queries.of(world)
     }
@@ -221,6 +227,7 @@ impl Simulation {
     }
 
     /// Advances the world by one step of `settings.dt`; see [`step`](crate::step()).
+    #[doc(alias("update", "tick"))]
     pub fn step(&mut self, world: &mut World) {
         self.step_many(world, 1);
     }
@@ -245,10 +252,14 @@ impl Simulation {
         self.forget_events();
         self.has_stepped = count > 0;
         if count > 0 {
+            #[cfg(feature = "tracing")]
+            self.mistakes.warn(world);
             let mut interactions = self.interactions.take();
             steps_under_laws(world, &self.settings, &self.laws, &mut interactions, count, self.clock(), times);
             self.interactions = interactions;
             self.count_steps(count);
+            #[cfg(feature = "tracing")]
+            self.mistakes.remember(world);
         }
     }
 
@@ -321,6 +332,7 @@ impl Simulation {
     /// assert!((alpha - 0.5).abs() < 1e-4);
     /// # Ok::<(), tumble::SettingsError>(())
     /// ```
+    #[doc(alias("fixed timestep", "accumulator"))]
     pub fn advance(&mut self, world: &mut World, frame_seconds: f64) -> Real {
         self.advance_with(world, frame_seconds, |_, _| ())
     }

@@ -53,6 +53,7 @@ impl Frame {
 /// assert!((world.get::<&Velocity>(sled)?.linear.x - 2.0).abs() < 1e-4);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("ConstantForce", "constant force"))]
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct ConstantWrench {
     /// Force through the centre of mass \[N\].

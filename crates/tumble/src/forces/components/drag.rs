@@ -25,6 +25,7 @@ use crate::math::{Real, Vec3};
 /// let ball = Drag::isotropic(0.5 * 1.2 * 0.47 * 3.1416 * 0.1 * 0.1);
 /// assert!((ball.linear.x - 0.00886).abs() < 1e-4);
 /// ```
+#[doc(alias = "air resistance")]
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Drag {
     /// Force over the square of speed along each axis of the body [kg/m]: half the density of the

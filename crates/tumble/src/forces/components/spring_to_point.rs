@@ -34,6 +34,7 @@ use crate::math::{Real, Vec3, dvec3};
 /// assert!((world.get::<&Pose>(bob)?.position.x + 1.0).abs() < 1e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("mouse joint", "grab", "drag"))]
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct SpringToPoint {
     /// The point of the world \[m\].

@@ -33,10 +33,12 @@ use crate::math::{Real, Vec3};
 /// use tumble::prelude::*;
 ///
 /// let mut world = hecs::World::new();
-/// let ball = |x: Real| RigidBody::new(Shape::sphere(0.1)).mass(2.0).position(Vec3::X * x).build();
+/// // Balls that go through each other.
+/// let ball = RigidBody::new(Shape::sphere(0.1)).mass(2.0).without_collider();
+/// let ball = |x: Real| ball.clone().position(Vec3::X * x).build();
 /// let (left, right) = (ball(-1.0)?.spawn(&mut world), ball(1.0)?.spawn(&mut world));
 /// // A reduced mass of 1 kg: they swing apart and together once in pi seconds.
-/// world.spawn((Spring::between(left, right).rest_length(1.0).stiffness(4.0),));
+/// world.spawn((Spring::between(left, right).with_rest_length(1.0).with_stiffness(4.0),));
 ///
 /// let mut simulation =
 ///     Simulation::new(Settings::default().with_gravity(Vec3::ZERO).with_dt(0.01))?;
@@ -46,6 +48,7 @@ use crate::math::{Real, Vec3};
 /// assert!(world.get::<&Pose>(left)?.position.x.abs() < 1e-2); // half a period
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[doc(alias("spring joint", "bungee"))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spring {
     /// What it connects.
@@ -74,19 +77,19 @@ impl Spring {
 
     /// The same with a length at which it does not pull \[m\].
     #[must_use]
-    pub fn rest_length(self, rest_length: Real) -> Self {
+    pub fn with_rest_length(self, rest_length: Real) -> Self {
         Self { rest_length, ..self }
     }
 
     /// The same with a stiffness [N/m].
     #[must_use]
-    pub fn stiffness(self, stiffness: Real) -> Self {
+    pub fn with_stiffness(self, stiffness: Real) -> Self {
         Self { stiffness, ..self }
     }
 
     /// The same with a damping [N s/m].
     #[must_use]
-    pub fn damping(self, damping: Real) -> Self {
+    pub fn with_damping(self, damping: Real) -> Self {
         Self { damping, ..self }
     }
 }
