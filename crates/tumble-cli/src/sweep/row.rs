@@ -1,7 +1,7 @@
 //! One world of a sweep: run, and what became of it as a line of CSV.
 
 use std::fmt::Write as _;
-use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
 
 use tumble_record::{STATE_COLUMNS, csv_cell, state_numbers};
 use tumble_scene::VariedWorld;
@@ -14,9 +14,8 @@ use tumble::{BodyOrder, Pose, Trial, Velocity};
 use crate::drift::Drift;
 use crate::interrupt;
 
-/// Substeps of one body between two looks at Ctrl-C: a tenth of a second or less, unless a single
-/// step takes longer.
-const UNINTERRUPTED: usize = 1_000_000;
+/// Between two looks at Ctrl-C, unless a single step takes longer.
+const UNINTERRUPTED: Duration = Duration::from_millis(50);
 
 /// The line of one world, with its end.
 pub(crate) struct Row {
@@ -78,12 +77,7 @@ fn run(sweep: &Sweep, world: VariedWorld) -> Option<Result<End, ()>> {
     let VariedWorld { mut trial, steps } = world;
     let order = BodyOrder::of(&trial.world);
     let Ok(mut drift) = Drift::start(&trial.world, trial.simulation.settings(), &order) else { return Some(Err(())) };
-    let period = period(order.len(), trial.simulation.settings().substeps);
-    let run = trial
-        .run(steps, period, |_| if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) });
-    if run.is_break() && trial.simulation.steps() < steps {
-        return None;
-    }
+    all_steps(&mut trial, steps)?;
     if drift.sample(&trial.world, trial.simulation.settings(), &order).is_err() {
         return Some(Err(()));
     }
@@ -98,10 +92,24 @@ fn run(sweep: &Sweep, world: VariedWorld) -> Option<Result<End, ()>> {
     }))
 }
 
-/// Steps between two looks at Ctrl-C.
-fn period(bodies: usize, substeps: u32) -> u32 {
-    let of_a_step = bodies.max(1).saturating_mul(usize::try_from(substeps).unwrap_or(usize::MAX).max(1));
-    u32::try_from((UNINTERRUPTED / of_a_step).max(1)).unwrap_or(u32::MAX)
+/// Takes all steps, as many at once as take the time between two looks at Ctrl-C; `None` if it came.
+fn all_steps(trial: &mut Trial, steps: u64) -> Option<()> {
+    let mut at_once = 1_u32;
+    while trial.simulation.steps() < steps {
+        if interrupt::asked() {
+            return None;
+        }
+        let left = u32::try_from(steps - trial.simulation.steps()).unwrap_or(u32::MAX);
+        let begun = Instant::now();
+        trial.step_many(at_once.min(left));
+        let taken = begun.elapsed();
+        if taken < UNINTERRUPTED / 2 {
+            at_once = at_once.saturating_mul(2);
+        } else if taken > UNINTERRUPTED {
+            at_once = (at_once / 2).max(1);
+        }
+    }
+    Some(())
 }
 
 fn state(trial: &Trial, body: tumble::hecs::Entity) -> Option<[Real; STATE_COLUMNS.len()]> {
