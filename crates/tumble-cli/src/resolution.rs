@@ -9,11 +9,11 @@ use tumble::{BodyId, Drives, Gain, Joint, Mass, Momentum, Settings, Spring, Spri
 use tumble_scene::{BodyNames, TIME_STEPS};
 
 /// Beyond a quarter of a turn in a step, states and contacts do not show which way a body turned.
-const MOST_TURN: f64 = FRAC_PI_2;
+const MAX_TURN: f64 = FRAC_PI_2;
 /// Up to here a spring has its own frequency; docs/forces.md has the error beyond.
-const MOST_OSCILLATIONS: f64 = 0.45;
+const MAX_OSCILLATIONS: f64 = 0.45;
 /// A drive that swings by more radians in a substep is damped by it; see docs/joints.md.
-const MOST_OF_DRIVE: f64 = 2.0;
+const MAX_OF_DRIVE: f64 = 2.0;
 
 /// What a step is too long for, of all things the one for which it is longest.
 #[derive(Debug, PartialEq)]
@@ -92,7 +92,7 @@ fn turning(world: &World, settings: &Settings) -> Option<Longest> {
     let h = part(settings, parts);
     let mut bodies = world.query::<(Entity, &Velocity)>().with::<&Momentum>();
     let turns = bodies.iter().map(|(body, velocity)| (body, f64::from(velocity.angular.length()) * h));
-    farthest((Kind::Turn, MOST_TURN, parts), turns)
+    farthest((Kind::Turn, MAX_TURN, parts), turns)
 }
 
 #[allow(clippy::useless_conversion, reason = "Real is f64 already in one of the two builds")]
@@ -112,7 +112,7 @@ fn swinging(world: &World, settings: &Settings) -> Option<Longest> {
     });
     let mut to_points = world.query::<(Entity, &SpringToPoint)>();
     let to_points = to_points.iter().map(|(body, spring)| (body, oscillations(spring.stiffness, inverse_mass(body))));
-    farthest((Kind::Spring, MOST_OSCILLATIONS, parts), between.chain(to_points))
+    farthest((Kind::Spring, MAX_OSCILLATIONS, parts), between.chain(to_points))
 }
 
 /// Drives of a frequency of their own; that of a stiffness depends on the whole mechanism.
@@ -130,7 +130,7 @@ fn driven(world: &World, settings: &Settings) -> Option<Longest> {
         let fastest = drives.0.iter().map(|drive| radians(drive.gain)).max_by(f64::total_cmp)?;
         Some((joint.bodies[1], fastest))
     });
-    farthest((Kind::Drive, MOST_OF_DRIVE, parts), drives)
+    farthest((Kind::Drive, MAX_OF_DRIVE, parts), drives)
 }
 
 fn angle(radians: f64) -> String {

@@ -92,7 +92,8 @@ fn run(sweep: &Sweep, world: VariedWorld) -> Option<Result<End, ()>> {
     }))
 }
 
-/// Takes all steps, as many at once as take the time between two looks at Ctrl-C; `None` if it came.
+/// Takes all steps, as many at once as fill the time between two looks at Ctrl-C; `None` if it
+/// came.
 fn all_steps(trial: &mut Trial, steps: u64) -> Option<()> {
     let mut at_once = 1_u32;
     while trial.simulation.steps() < steps {
