@@ -6,6 +6,7 @@ pub(crate) mod error;
 pub(crate) mod file;
 pub(crate) mod identity;
 pub(crate) mod merge;
+pub(crate) mod observation;
 pub(crate) mod options;
 pub(crate) mod parameter;
 pub(crate) mod plot;
@@ -22,6 +23,7 @@ use tumble_scene::{FieldPath, RunLength, RunOverrides, SceneError, SceneTemplate
 
 use crate::sweep::distribution::Distribution;
 use crate::sweep::error::SweepError;
+use crate::sweep::observation::{Observable, Until};
 use crate::sweep::parameter::SweepParameter;
 
 /// The most worlds of a sweep.
@@ -49,6 +51,10 @@ pub(crate) struct SweepPlan {
     pub(crate) integrator: Option<Integrator>,
     /// The bodies whose end is of interest, by name; the first one if none is named.
     pub(crate) bodies: Vec<String>,
+    /// What is watched in each step, as it was written.
+    pub(crate) observe: Vec<String>,
+    /// What ends a world before its steps are done, as it was written.
+    pub(crate) until: Option<String>,
 }
 
 /// A scene with fields that differ from world to world: at random, or over the values of a grid.
@@ -69,6 +75,8 @@ pub(crate) struct Sweep {
     varied: Vec<Varied>,
     reported: Vec<usize>,
     reported_names: Vec<String>,
+    observables: Vec<Observable>,
+    until: Option<Until>,
     files: Vec<PathBuf>,
 }
 
@@ -97,10 +105,12 @@ impl Sweep {
         let names = scene.body_names();
         let reported = reported(&plan.bodies, &names)?;
         let worlds = worlds(&plan, &varied)?;
+        let (observables, until) = watched(&plan, &names)?;
         let reported_names = reported.iter().filter_map(|&i| names.get(i).cloned()).collect();
         let (scene_hash, files) = (scene.hash(), scene.files().to_vec());
         let scene = scene.varied(fields);
-        let sweep = Self { plan, worlds, scene, scene_hash, varied, reported, reported_names, files };
+        let sweep =
+            Self { plan, worlds, scene, scene_hash, varied, reported, reported_names, observables, until, files };
         let ends = |pick: fn(&[f64]) -> Option<&f64>| -> Vec<f64> {
             let ends = sweep.varied.iter().filter_map(|varied| Some((varied, *pick(&varied.distribution.samples())?)));
             ends.flat_map(|(varied, end)| varied.values(end)).collect()
@@ -138,6 +148,16 @@ impl Sweep {
     /// Their names.
     pub(crate) fn reported_names(&self) -> &[String] {
         &self.reported_names
+    }
+
+    /// What is watched in each step.
+    pub(crate) fn observables(&self) -> &[Observable] {
+        &self.observables
+    }
+
+    /// What ends a world before its steps are done.
+    pub(crate) fn until(&self) -> Option<Until> {
+        self.until
     }
 
     /// The files that the scene was read from: its own and those of meshes.
@@ -226,6 +246,14 @@ fn worlds(plan: &SweepPlan, varied: &[Varied]) -> Result<u64, SweepError> {
         None if only_grids => Ok(varied.iter().map(|varied| varied.distribution.steps()).product()),
         None => Err(SweepError::Worlds("N is missing: only grids and lists know how many worlds they make".to_owned())),
     }
+}
+
+fn watched(plan: &SweepPlan, names: &[String]) -> Result<(Vec<Observable>, Option<Until>), SweepError> {
+    let refused = |option, text: &str, problem| SweepError::Observation { option, text: text.to_owned(), problem };
+    let observable =
+        |text: &String| Observable::parse(text, names).map_err(|problem| refused("observe", text, problem));
+    let until = |text: &String| Until::parse(text, names).map_err(|problem| refused("until", text, problem));
+    Ok((plan.observe.iter().map(observable).collect::<Result<_, _>>()?, plan.until.as_ref().map(until).transpose()?))
 }
 
 fn reported(wanted: &[String], names: &[String]) -> Result<Vec<usize>, SweepError> {

@@ -37,6 +37,14 @@ pub(crate) struct SweepOptions {
     /// A body whose end is written, by name; may be given again [default: the first]
     #[arg(long, value_name = "NAME")]
     pub(crate) body: Vec<String>,
+    /// A column of what is seen in all steps: max(BODY.COLUMN), min(BODY.COLUMN), first_contact or
+    /// first_contact(BODY); may be given again
+    #[arg(long, value_name = "WHAT")]
+    pub(crate) observe: Vec<String>,
+    /// End a world where this is so: BODY.COLUMN<NUMBER, BODY.COLUMN>NUMBER, first_contact or
+    /// first_contact(BODY)
+    #[arg(long, value_name = "CONDITION")]
+    pub(crate) until: Option<String>,
     /// Only the I-th of N parts of the worlds
     #[arg(long, value_name = "I/N", value_parser = str::parse::<Shard>)]
     pub(crate) shard: Option<Shard>,
@@ -92,6 +100,8 @@ impl SweepOptions {
             substeps: self.stepping.substeps,
             integrator: self.stepping.integrator,
             bodies: self.body.clone(),
+            observe: self.observe.clone(),
+            until: self.until.clone(),
         }
     }
 }

@@ -7,6 +7,7 @@ use tumble_record::{STATE_COLUMNS, csv_cell, state_numbers};
 use tumble_scene::VariedWorld;
 
 use crate::sweep::Sweep;
+use crate::sweep::observation::Observation;
 use crate::sweep::run_status::RunStatus;
 use tumble::math::Real;
 use tumble::{BodyOrder, Pose, Trial, Velocity};
@@ -31,6 +32,7 @@ struct End {
     energy: f64,
     drift: f64,
     hash: u64,
+    seen: Vec<Option<f64>>,
 }
 
 /// The names of the columns.
@@ -45,6 +47,7 @@ pub(crate) fn columns(sweep: &Sweep) -> Vec<String> {
             .flat_map(|name| STATE_COLUMNS.map(|of| csv_cell(&format!("{name}.{of}")).into_owned())),
     );
     columns.extend(["energy", "energy_drift", "hash"].map(str::to_owned));
+    columns.extend(sweep.plan().observe.iter().map(|what| csv_cell(what).into_owned()));
     columns
 }
 
@@ -63,10 +66,11 @@ pub(crate) fn row(sweep: &Sweep, index: u64) -> Option<Row> {
         put(&mut text, format_args!(",{value:?}"));
     }
     put(&mut text, format_args!(",{}", outcome.name()));
+    let empty = 5 + STATE_COLUMNS.len() * sweep.reported().len() + sweep.observables().len();
     match end {
         Some(end) => end.write(&mut text),
         // The columns are there, with nothing in them.
-        None => text.extend(std::iter::repeat_n(',', 5 + STATE_COLUMNS.len() * sweep.reported().len())),
+        None => text.extend(std::iter::repeat_n(',', empty)),
     }
     text.push('\n');
     Some(Row { text, outcome })
@@ -77,7 +81,8 @@ fn run(sweep: &Sweep, world: VariedWorld) -> Option<Result<End, ()>> {
     let VariedWorld { mut trial, steps } = world;
     let order = BodyOrder::of(&trial.world);
     let Ok(mut drift) = Drift::start(&trial.world, trial.simulation.settings(), &order) else { return Some(Err(())) };
-    all_steps(&mut trial, steps)?;
+    let mut observation = Observation::start(sweep.observables(), sweep.until(), &trial, &order);
+    all_steps(&mut trial, steps, &mut observation, &order)?;
     if drift.sample(&trial.world, trial.simulation.settings(), &order).is_err() {
         return Some(Err(()));
     }
@@ -89,16 +94,24 @@ fn run(sweep: &Sweep, world: VariedWorld) -> Option<Result<End, ()>> {
         energy: energy.r#final,
         drift: energy.max_relative_drift,
         hash: tumble::state_hash(&trial.world, &order),
+        seen: observation.seen(),
     }))
 }
 
 /// Takes all steps, as many at once as fill the time between two looks at Ctrl-C; `None` if it
 /// came.
-fn all_steps(trial: &mut Trial, steps: u64) -> Option<()> {
+fn all_steps(trial: &mut Trial, steps: u64, observation: &mut Observation<'_>, order: &BodyOrder) -> Option<()> {
     let mut at_once = 1_u32;
     while trial.simulation.steps() < steps {
         if interrupt::asked() {
             return None;
+        }
+        if observation.needs_every_step() {
+            trial.step_many(1);
+            if observation.see(trial, order) {
+                break;
+            }
+            continue;
         }
         let left = u32::try_from(steps - trial.simulation.steps()).unwrap_or(u32::MAX);
         let begun = Instant::now();
@@ -127,6 +140,12 @@ impl End {
             put(text, format_args!(",{number:?}"));
         }
         put(text, format_args!(",{:?},{:?},{:016x}", self.energy, self.drift, self.hash));
+        for seen in &self.seen {
+            match seen {
+                Some(seen) => put(text, format_args!(",{seen:?}")),
+                None => text.push(','),
+            }
+        }
     }
 }
 

@@ -200,7 +200,7 @@ mod tests {
         let text = "{ // gr\u{fc}n\n/* two\n lines */ \"bodies\": [ { \"name\": \"b\", /* half */ \"mass\": true } ] }";
         assert_eq!(
             message(text, Format::Json),
-            "scene: body \"b\" (bodies[0]), field mass: invalid type: boolean `true`, expected f64 at line 3 column 65"
+            "scene: body \"b\" (bodies[0]), field mass: invalid type: boolean `true`, expected f64 at line 3 column 60"
         );
         assert_eq!(message("{\n/* no end }", Format::Json), "scene: the comment that begins in line 2 does not end");
     }
