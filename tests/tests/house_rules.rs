@@ -69,8 +69,9 @@ const IMPORT: [&str; 14] = [
     "lib",
 ];
 /// The same of the crate of scenes.
-const SCENE: [&str; 11] =
-    ["error", "limits", "values", "bodies", "model", "convert", "builtin", "scene", "audit", "fields", "lib"];
+const SCENE: [&str; 12] = [
+    "error", "limits", "written", "values", "bodies", "model", "convert", "builtin", "scene", "audit", "fields", "lib",
+];
 /// The same of the crate of records.
 const RECORD: [&str; 12] = [
     "svg",

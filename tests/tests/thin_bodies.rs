@@ -59,8 +59,8 @@ const RESOLVED: f64 = 3.0;
 /// The radius of the largest ball in a shape \[m\].
 fn half_thickness(shape: &Shape) -> f64 {
     match *shape {
-        Shape::Cuboid { half_extents } => half_extents.into_iter().fold(f64::INFINITY, f64::min),
-        Shape::Ellipsoid { radii } => radii.into_iter().fold(f64::INFINITY, f64::min),
+        Shape::Cuboid { half_extents } => half_extents.min_element(),
+        Shape::Ellipsoid { radii } => radii.min_element(),
         Shape::Cylinder { radius, half_height } => radius.min(half_height),
         Shape::Cone { radius, half_height } => {
             let height = 2.0 * half_height;

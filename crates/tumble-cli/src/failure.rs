@@ -19,6 +19,9 @@ pub(crate) enum Failure {
     /// Ctrl-C; everything is finished and reported already.
     #[error("interrupted")]
     Interrupted,
+    /// The window's program ended with this code and said why.
+    #[error("the window ended with exit code {0}")]
+    Window(u8),
 }
 
 impl Failure {
@@ -28,6 +31,7 @@ impl Failure {
             Self::Input(_) => 2,
             // 128 + SIGINT, as shells have it.
             Self::Interrupted => 130,
+            Self::Window(code) => *code,
         }
     }
 

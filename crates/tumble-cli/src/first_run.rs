@@ -2,7 +2,10 @@
 
 use std::fmt::{self, Display};
 
+use clap::builder::styling::Style;
 use tumble_record::Summary;
+
+use crate::print::HEADING;
 
 /// A run in plain words, and what to try next.
 pub(crate) struct FirstRun<'a> {
@@ -34,6 +37,14 @@ impl Display for FirstRun<'_> {
         writeln!(f, "\nWithout cargo: tumble scenes, tumble run wall, tumble --help.")?;
         writeln!(f, "README.md has more; docs/embedding.md puts bodies into a game of your own.")
     }
+}
+
+/// The commands.
+pub(crate) fn heading(line: &str) -> Option<(usize, Style)> {
+    if !line.starts_with("  cargo") {
+        return None;
+    }
+    Some((line.find('#')?, HEADING))
 }
 
 const NEXT: [(&str, &str); 6] = [

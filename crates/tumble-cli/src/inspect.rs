@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
 
+use clap::builder::styling::Style;
 use tumble::MeshAudit;
 use tumble_import::{printable, printable_json};
 use tumble_record::{PendingFile, body_drawing};
@@ -12,7 +13,7 @@ use tumble_scene::{Audit, AuditedBody, AuditedCollider, AuditedJoint, MeshOption
 use crate::ending::check_ending;
 use crate::failure::Failure;
 use crate::options::InspectOptions;
-use crate::print;
+use crate::print::{self, ERROR, HEADING};
 use crate::replacing::{Guard, Kind};
 
 /// Prints the mass properties and forces of every body, or of the one asked for, and its joints; a
@@ -52,7 +53,11 @@ pub(crate) fn inspect(options: &InspectOptions) -> Result<(), Failure> {
         draw(&audit, file, path)?;
     }
     print::notices(&audit.notices);
-    print::output(&text)?;
+    if options.json {
+        print::output(&text)?;
+    } else {
+        print::output_with(&text, heading)?;
+    }
     let bad = audit.bodies.iter().filter(|body| !body.problems.is_empty()).count();
     let bad_joints = audit.joints.iter().filter(|joint| !joint.problems.is_empty()).count();
     let (bad, all, kind) = match bad {
@@ -72,6 +77,17 @@ pub(crate) const REPAIR: &str = "--repair goes with a mesh, or a .gltf, .glb or 
 pub(crate) fn is_repairable(file: &str) -> bool {
     let ending = Path::new(file).extension().and_then(|ending| ending.to_str());
     ending.is_some_and(|ending| ["gltf", "glb", "urdf"].iter().any(|known| ending.eq_ignore_ascii_case(known)))
+}
+
+/// Names of bodies and joints stand out, and problems.
+fn heading(line: &str) -> Option<(usize, Style)> {
+    const PROBLEM: &str = "  PROBLEM";
+    match line {
+        "" => None,
+        line if line.starts_with(PROBLEM) => Some((PROBLEM.len(), ERROR)),
+        line if !line.starts_with(' ') => Some((line.len(), HEADING)),
+        _ => None,
+    }
 }
 
 /// Draws the first body.

@@ -8,6 +8,7 @@ mod drift;
 mod ending;
 mod failure;
 mod first_run;
+mod generated;
 mod history;
 mod inspect;
 mod interrupt;
@@ -16,10 +17,14 @@ mod outputs;
 mod print;
 mod progress;
 mod replacing;
+mod resolution;
 mod run;
+mod run_json;
 mod scenes;
+mod shorthand;
 mod sweep;
 mod table;
+mod view;
 
 use std::process::ExitCode;
 
@@ -33,7 +38,7 @@ const BAD_USAGE: u8 = 2;
 
 fn main() -> ExitCode {
     print::escape_panics();
-    let options = match Options::try_parse_from(options::with_command(std::env::args_os())) {
+    let options = match Options::try_parse_from(shorthand::with_command(std::env::args_os())) {
         Ok(options) => options,
         Err(error) if error.use_stderr() => {
             print::usage(error);
@@ -44,16 +49,19 @@ fn main() -> ExitCode {
     };
     let done = match options.command {
         None => run::run(&RunOptions::default(), OutputForm::Words),
-        Some(Command::Run(options)) => run::run(&options, OutputForm::Table),
+        Some(Command::Run(options)) => run::run(&options, OutputForm::of(&options)),
+        Some(Command::View(options)) => view::view(&options),
         Some(Command::Sweep(options)) => sweep::command::sweep(&options),
         Some(Command::Merge(options)) => sweep::merge::merge(&options),
         Some(Command::Inspect(options)) => inspect::inspect(&options),
         Some(Command::Scenes) => scenes::scenes(),
+        Some(Command::Completions { shell }) => generated::completions(shell),
+        Some(Command::Man { command }) => generated::man(command.as_deref()),
     };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
-            if !matches!(failure, Failure::Interrupted) {
+            if !matches!(failure, Failure::Interrupted | Failure::Window(_)) {
                 print::error(&failure);
             }
             ExitCode::from(failure.exit_code())

@@ -4,11 +4,13 @@ use std::ffi::OsString;
 use std::num::NonZeroU64;
 use std::path::PathBuf;
 
-use clap::{Args, CommandFactory as _, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueHint};
+use clap_complete::Shell;
 use tumble::math::Real;
 use tumble::{Integrator, Settings};
-use tumble_scene::{MAX_BODIES, TIME_STEPS, step_count, time_step};
+use tumble_scene::{MAX_BODIES, TIME_STEPS, parse_count, parse_seconds, step_count, time_step};
 
+use crate::scenes;
 use crate::sweep::options::{MergeOptions, SweepOptions};
 
 /// Threads that can be asked for.
@@ -19,7 +21,7 @@ const MAX_THREADS: u64 = 1024;
 /// Without arguments: moves 10 000 tumbling shapes, says how that went and what to try next.
 /// `tumble wall` is `tumble run wall`; `tumble scenes` lists the built-in scenes.
 #[derive(Debug, Parser)]
-#[command(version, after_help = EXIT_CODES)]
+#[command(name = "tumble", version, after_help = format!("{}\n\n{EXIT_CODES}", scenes::named()))]
 pub(crate) struct Options {
     #[command(subcommand)]
     pub(crate) command: Option<Command>,
@@ -27,11 +29,19 @@ pub(crate) struct Options {
 
 const EXIT_CODES: &str = "Exit codes: 0 all well, 1 a failure while running, 2 bad input or usage, 130 interrupted";
 
+const COMPLETIONS: &str = "\
+bash:  tumble completions bash > ~/.local/share/bash-completion/completions/tumble
+zsh:   tumble completions zsh > _tumble, in a folder of $fpath
+fish:  tumble completions fish > ~/.config/fish/completions/tumble.fish";
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Run a scene and report what happened
-    #[command(after_help = EXIT_CODES)]
+    #[command(after_help = format!("{}\n\n{EXIT_CODES}", scenes::named()))]
     Run(RunOptions),
+    /// Show a scene in a window, which is the program tumble-view
+    #[command(disable_help_flag = true)]
+    View(ViewOptions),
     /// Run many worlds of one scene whose fields differ, at random or over a grid
     #[command(after_help = EXIT_CODES)]
     Sweep(SweepOptions),
@@ -44,20 +54,18 @@ pub(crate) enum Command {
     Inspect(InspectOptions),
     /// List the built-in scenes
     Scenes,
-}
-
-/// The arguments with `run` before a first one that is a built-in scene, nearly one, or a file.
-pub(crate) fn with_command(arguments: impl Iterator<Item = OsString>) -> Vec<OsString> {
-    let mut arguments: Vec<_> = arguments.collect();
-    let is_scene = |name: &str| {
-        let is_command = Options::command().get_subcommands().any(|command| command.get_name() == name);
-        let is_file = name.contains(['.', '/', std::path::MAIN_SEPARATOR]);
-        !is_command && !name.starts_with('-') && (is_file || tumble_scene::nearest_builtin(name).is_some())
-    };
-    if arguments.get(1).and_then(|first| first.to_str()).is_some_and(is_scene) {
-        arguments.insert(1, "run".into());
-    }
-    arguments
+    /// Write a script by which a shell completes commands and options
+    #[command(after_help = COMPLETIONS)]
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
+    /// Write the page for `man`: of the program, or of one of its commands
+    #[command(after_help = "To read it: tumble man run | man -l -")]
+    Man {
+        /// The command [default: the program]
+        command: Option<String>,
+    },
 }
 
 #[derive(Debug, Default, Args)]
@@ -65,12 +73,12 @@ pub(crate) struct RunOptions {
     /// A .json, .ron, .gltf, .glb or .urdf file, or the name of a built-in scene [default: stress]
     ///
     /// What has an extension or a slash is a file.
-    #[arg(value_name = "SCENE")]
+    #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
     pub(crate) scene: Option<String>,
     #[command(flatten)]
     pub(crate) stepping: StepOptions,
     /// Bodies of a generated scene [default: 10000 of stress, see docs/scenes.md for others]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=MAX_BODIES as u64))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = bodies)]
     pub(crate) bodies: Option<u64>,
     /// Seed of a generated scene [default: 0]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
@@ -79,12 +87,18 @@ pub(crate) struct RunOptions {
     #[arg(long, value_name = "FILE")]
     pub(crate) record: Option<PathBuf>,
     /// Record every K-th step [default: 1]
-    #[arg(long, value_name = "K", allow_negative_numbers = true, requires = "record")]
+    #[arg(long, value_name = "K", allow_negative_numbers = true, requires = "record", value_parser = every)]
     pub(crate) every: Option<NonZeroU64>,
     /// Write report.html, summary.json, ledger.csv, energy.svg and drift.svg into a directory,
     /// which is made if need be
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(crate) report: Option<PathBuf>,
+    /// Open the report's page in a browser at the end
+    #[arg(long, requires = "report")]
+    pub(crate) open: bool,
+    /// Print one JSON object instead of the table; docs/program.md has its keys
+    #[arg(long, conflicts_with = "quiet")]
+    pub(crate) json: bool,
     /// Take the nearest possible inertia for bodies of a .gltf, .glb or .urdf file whose own is
     /// impossible, and say so of each
     #[arg(long)]
@@ -97,16 +111,23 @@ pub(crate) struct RunOptions {
     pub(crate) quiet: bool,
 }
 
+#[derive(Debug, Args)]
+pub(crate) struct ViewOptions {
+    /// A scene and options of tumble-view; `tumble view --help` lists those
+    #[arg(value_name = "ARGUMENTS", allow_hyphen_values = true, trailing_var_arg = true)]
+    pub(crate) arguments: Vec<OsString>,
+}
+
 /// How long to run, and how.
 #[derive(Debug, Default, Args)]
 pub(crate) struct StepOptions {
-    /// Steps to run, instead of the scene's
+    /// Steps to run, such as 600 or 1e6, instead of the scene's
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = steps, conflicts_with = "duration")]
     pub(crate) steps: Option<u64>,
-    /// Simulated time to run in seconds, rounded to whole steps
+    /// Simulated time to run, such as 2.5, 500ms, 2s or 5min, rounded to whole steps
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = duration)]
     pub(crate) duration: Option<f64>,
-    /// Time step in seconds, instead of the scene's
+    /// Time step in seconds, such as 1/60, 0.01 or 5ms, instead of the scene's
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = dt)]
     pub(crate) dt: Option<Real>,
     /// Equal parts that each step is divided into
@@ -124,7 +145,7 @@ pub(crate) struct StepOptions {
 pub(crate) struct InspectOptions {
     /// A scene (.json, .ron, .gltf, .glb), a robot (.urdf), a mesh (.obj, .stl, .gltf, .glb), or
     /// the name of a built-in scene
-    #[arg(value_name = "FILE")]
+    #[arg(value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(crate) file: String,
     /// Print JSON
     #[arg(long)]
@@ -148,15 +169,31 @@ pub(crate) struct InspectOptions {
 }
 
 fn steps(text: &str) -> Result<u64, String> {
-    step_count(text.parse().map_err(|error| format!("{error}"))?)
+    step_count(parse_count(text)?)
+}
+
+fn bodies(text: &str) -> Result<u64, String> {
+    count_up_to(text, MAX_BODIES as u64)
+}
+
+fn every(text: &str) -> Result<NonZeroU64, String> {
+    NonZeroU64::new(parse_count(text)?).ok_or_else(|| "must be 1 or more".to_owned())
+}
+
+/// A whole number from 1 to the largest.
+pub(crate) fn count_up_to(text: &str, largest: u64) -> Result<u64, String> {
+    match parse_count(text)? {
+        count if (1..=largest).contains(&count) => Ok(count),
+        count => Err(format!("must be from 1 to {largest}, not {count}")),
+    }
 }
 
 fn dt(text: &str) -> Result<Real, String> {
-    time_step(number(text)?)
+    time_step(parse_seconds(text)?)
 }
 
 fn duration(text: &str) -> Result<f64, String> {
-    let seconds = number(text)?;
+    let seconds = parse_seconds(text)?;
     // The longest run of the longest steps.
     let longest = TIME_STEPS.end() * tumble_scene::MAX_STEPS as f64;
     if (0.0..=longest).contains(&seconds) {
@@ -167,16 +204,14 @@ fn duration(text: &str) -> Result<f64, String> {
 }
 
 fn density(text: &str) -> Result<f64, String> {
-    let density = number(text)?;
+    let density: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
     if density.is_finite() && density > 0.0 { Ok(density) } else { Err("must be positive and finite".to_owned()) }
-}
-
-fn number(text: &str) -> Result<f64, String> {
-    text.parse().map_err(|_| "not a number".to_owned())
 }
 
 #[cfg(test)]
 mod tests {
+    use clap::CommandFactory as _;
+
     use super::*;
 
     fn run(arguments: &[&str]) -> Result<RunOptions, clap::Error> {
@@ -227,22 +262,6 @@ mod tests {
     }
 
     #[test]
-    fn scenes_and_files_are_run_without_the_word() {
-        let with_command = |arguments: &[&str]| -> Vec<String> {
-            let all = ["tumble"].iter().chain(arguments).map(OsString::from);
-            super::with_command(all).into_iter().skip(1).map(|argument| argument.into_string().unwrap()).collect()
-        };
-        assert_eq!(with_command(&["wall", "--steps", "3"]), ["run", "wall", "--steps", "3"]);
-        assert_eq!(with_command(&["piramid"]), ["run", "piramid"]);
-        assert_eq!(with_command(&["my.json"]), ["run", "my.json"]);
-        for unchanged in
-            [&["run", "wall"][..], &["inspect", "iss"], &["--help"], &["scenes"], &["nothing-like-it"], &[]]
-        {
-            assert_eq!(with_command(unchanged), unchanged);
-        }
-    }
-
-    #[test]
     fn sensible_values_are_taken() {
         let options =
             run(&["iss", "--duration", "2.5", "--dt", "0.25", "--threads", "1024", "--integrator", "runge-kutta4"]);
@@ -250,5 +269,18 @@ mod tests {
         let stepping = options.stepping;
         assert_eq!((stepping.duration, stepping.dt), (Some(2.5), Some(0.25)));
         assert_eq!(stepping.integrator, Some(Integrator::RungeKutta4));
+    }
+
+    #[test]
+    fn times_have_units_and_counts_have_exponents() {
+        let options = run(&["spheres", "--dt", "1/60", "--steps", "1e6", "--bodies", "2e3"]).unwrap();
+        // The default of scenes, to the bit.
+        assert_eq!(options.stepping.dt, Some(Settings::default().dt));
+        assert_eq!((options.stepping.steps, options.bodies), (Some(1_000_000), Some(2000)));
+        for (text, seconds) in [("2s", 2.0), ("500ms", 0.5), ("2min", 120.0)] {
+            assert_eq!(run(&["iss", "--duration", text]).unwrap().stepping.duration, Some(seconds));
+        }
+        let refusal = run(&["--dt", "soon"]).unwrap_err().to_string();
+        assert!(refusal.contains("'soon'") && refusal.contains("1/60"), "{refusal}");
     }
 }

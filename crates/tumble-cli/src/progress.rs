@@ -57,10 +57,15 @@ impl Progress {
     pub(crate) fn at(&self, done: u64) {
         self.bar.set_position(done);
     }
+
+    /// Takes it off the terminal.
+    pub(crate) fn end(&self) {
+        self.bar.finish_and_clear();
+    }
 }
 
 impl Drop for Progress {
     fn drop(&mut self) {
-        self.bar.finish_and_clear();
+        self.end();
     }
 }

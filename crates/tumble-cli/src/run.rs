@@ -13,13 +13,15 @@ use tumble_scene::{BodyNames, Scene, steps_of_duration};
 
 use crate::drift::{Drift, NotFinite, interval};
 use crate::failure::Failure;
-use crate::first_run::FirstRun;
+use crate::first_run::{self, FirstRun};
 use crate::history::History;
 use crate::inspect::{REPAIR, is_repairable};
 use crate::options::{RunOptions, StepOptions};
 use crate::outputs::{Findings, Outputs};
 use crate::progress::Progress;
-use crate::table::Report;
+use crate::resolution::TooLong;
+use crate::run_json::RunJson;
+use crate::table::{Report, heading};
 use crate::{interrupt, print};
 
 /// Between two looks at the clock, at Ctrl-C and at the progress bar.
@@ -31,6 +33,14 @@ pub(crate) enum OutputForm {
     Table,
     /// In plain words, with what to try next.
     Words,
+    Json,
+}
+
+impl OutputForm {
+    /// Of `tumble run`.
+    pub(crate) fn of(options: &RunOptions) -> Self {
+        if options.json { Self::Json } else { Self::Table }
+    }
 }
 
 /// Runs a scene, records and reports.
@@ -52,9 +62,12 @@ pub(crate) fn run(options: &RunOptions, form: OutputForm) -> Result<(), Failure>
     let replay = options.report.as_ref().map(|_| Replay::of(&scene)).transpose()?;
     let mut world = World::new();
     let names = scene.spawn(&mut world)?;
+    let too_long = TooLong::of(&world, simulation.settings(), &names);
+    warn(too_long.as_ref(), options);
     let history = options.report.is_some().then(|| History::open(&mut world, &simulation, bodies, steps));
     let run = Run {
         order: BodyOrder::of(&world),
+        is_warned: too_long.is_some(),
         kept: Kept::of(&world, simulation.settings()),
         world,
         names,
@@ -85,7 +98,7 @@ pub(crate) fn check_simd() -> Result<(), Failure> {
 
 /// The scene with the options applied.
 fn scene(options: &RunOptions) -> Result<Scene, Failure> {
-    let name = options.scene.as_deref().unwrap_or("stress");
+    let name = scene_name(options);
     let mut scene = match options.repair {
         false => Scene::open_with(name, options.bodies, options.seed)?,
         true if is_repairable(name) => Scene::load_with(Path::new(name), InertiaRepairs::Made)?,
@@ -103,6 +116,10 @@ fn scene(options: &RunOptions) -> Result<Scene, Failure> {
     Ok(scene)
 }
 
+fn scene_name(options: &RunOptions) -> &str {
+    options.scene.as_deref().unwrap_or("stress")
+}
+
 fn steps(options: &RunOptions, scene: &Scene) -> Result<u64, Failure> {
     let Some(seconds) = options.stepping.duration else { return Ok(options.stepping.steps.unwrap_or(scene.steps)) };
     let steps = steps_of_duration(seconds, scene.settings.dt);
@@ -118,8 +135,16 @@ pub(crate) fn pool(options: &StepOptions) -> Result<ThreadPool, Failure> {
         .map_err(|error| Failure::Running(format!("cannot start {threads} threads: {error}")))
 }
 
+fn warn(too_long: Option<&TooLong>, options: &RunOptions) {
+    if let Some(too_long) = too_long.filter(|_| !options.quiet) {
+        print::warning(too_long);
+    }
+}
+
 struct Run {
     order: BodyOrder,
+    /// Whether the step was found too long at the start.
+    is_warned: bool,
     kept: Kept,
     world: World,
     names: BodyNames,
@@ -156,11 +181,56 @@ impl Run {
                 return Err(failure);
             }
         };
-        drop(self.progress);
+        self.progress.end();
         if let Some(replay) = &mut self.replay {
             replay.finish(&Frame::of(&self.simulation, &self.world, &self.order, &self.names));
         }
-        let summary = Summary {
+        let summary = self.summary(&drift, wall_time, bodies, threads);
+        let (history, replay) = (self.history.as_ref(), self.replay.as_ref());
+        self.outputs.finish(Some(Findings {
+            summary: &summary,
+            drift: &drift,
+            kept: self.kept,
+            asked: steps,
+            history,
+            replay,
+            times: &self.times,
+        }))?;
+        let interrupted = summary.steps < steps;
+        if !self.is_warned {
+            // What was slow at the start may be fast now.
+            warn(TooLong::of(&self.world, self.simulation.settings(), &self.names).as_ref(), options);
+        }
+        let page = options.report.as_ref().map(|directory| directory.join("report.html"));
+        let report = Report {
+            summary: &summary,
+            drift: &drift,
+            kept: self.kept,
+            times: &self.times,
+            simulated: self.simulation.time(),
+            asked: steps,
+            sensed: self.sensed,
+            record: options.record.as_deref(),
+            page: page.as_deref(),
+        };
+        if !options.quiet {
+            show_report(
+                &report,
+                options,
+                if interrupted && form == OutputForm::Words { OutputForm::Table } else { form },
+            )?;
+        }
+        if interrupted {
+            return Err(Failure::Interrupted);
+        }
+        if let Some(page) = page.filter(|_| options.open) {
+            open_page(&page);
+        }
+        Ok(())
+    }
+
+    fn summary(&self, drift: &Drift, wall_time: Duration, bodies: u64, threads: u64) -> Summary {
+        Summary {
             bodies,
             worlds: 1,
             steps: self.simulation.steps(),
@@ -177,29 +247,7 @@ impl Run {
             linear_momentum: drift.linear_momentum(),
             angular_momentum: drift.angular_momentum(),
             state_hash: format!("{:016x}", state_hash(&self.world, &self.order)),
-        };
-        let (history, replay) = (self.history.as_ref(), self.replay.as_ref());
-        self.outputs.finish(Some(Findings {
-            summary: &summary,
-            drift: &drift,
-            kept: self.kept,
-            asked: steps,
-            history,
-            replay,
-            times: &self.times,
-        }))?;
-        let interrupted = summary.steps < steps;
-        if !options.quiet {
-            let simulated = self.simulation.time();
-            if form == OutputForm::Words && !interrupted {
-                return print::output(&FirstRun { summary: &summary, simulated }.to_string());
-            }
-            let (times, sensed) = (&self.times, self.sensed);
-            let kept = self.kept;
-            let report = Report { summary: &summary, drift: &drift, kept, times, simulated, asked: steps, sensed };
-            print::output(&report.to_string())?;
         }
-        if interrupted { Err(Failure::Interrupted) } else { Ok(()) }
     }
 
     /// Steps, records and samples until all steps are done or Ctrl-C came.
@@ -277,6 +325,24 @@ impl Run {
             },
         };
         Failure::Running(format!("{what} is not finite after step {step}; the run ends there"))
+    }
+}
+
+fn show_report(report: &Report<'_>, options: &RunOptions, form: OutputForm) -> Result<(), Failure> {
+    match form {
+        OutputForm::Table => print::output_with(&report.to_string(), heading),
+        OutputForm::Words => {
+            let (summary, simulated) = (report.summary, report.simulated);
+            print::output_with(&FirstRun { summary, simulated }.to_string(), first_run::heading)
+        }
+        OutputForm::Json => print::output(&RunJson::new(scene_name(options), report).text()?),
+    }
+}
+
+/// Shows a page in the user's browser; where there is none, says where the page is.
+fn open_page(page: &Path) {
+    if let Err(error) = open::that_detached(page) {
+        print::warning(&format_args!("{} is written, but no browser could be started: {error}", page.display()));
     }
 }
 

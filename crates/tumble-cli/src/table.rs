@@ -1,12 +1,16 @@
 //! What a run did, for people.
 
 use std::fmt::{self, Display};
+use std::path::Path;
 use std::time::Duration;
 
+use clap::builder::styling::Style;
 use tumble::PhaseTimes;
+use tumble_import::printable;
 use tumble_record::{Conserved, Kept, Summary};
 
 use crate::drift::Drift;
+use crate::print::HEADING;
 
 /// The table at the end of a run.
 pub(crate) struct Report<'a> {
@@ -21,6 +25,15 @@ pub(crate) struct Report<'a> {
     pub(crate) asked: u64,
     /// How often a body came into a sensor, and left one.
     pub(crate) sensed: [u64; 2],
+    /// Where the record is.
+    pub(crate) record: Option<&'a Path>,
+    /// Where the report's page is.
+    pub(crate) page: Option<&'a Path>,
+}
+
+/// What stands over the columns of what is conserved.
+pub(crate) fn heading(line: &str) -> Option<(usize, Style)> {
+    line.starts_with("                       ").then_some((line.len(), HEADING))
 }
 
 impl Display for Report<'_> {
@@ -44,7 +57,13 @@ impl Display for Report<'_> {
             line(f, "sensor events", format_args!("{} in, {} out", self.sensed[0], self.sensed[1]))?;
         }
         self.conserved(f)?;
-        line(f, "state hash", &summary.state_hash)
+        line(f, "state hash", &summary.state_hash)?;
+        for (what, path) in [("record", self.record), ("report", self.page)] {
+            if let Some(path) = path {
+                line(f, what, printable(&path.to_string_lossy()))?;
+            }
+        }
+        Ok(())
     }
 }
 

@@ -9,6 +9,7 @@ mod support;
 
 use std::io::Read;
 use std::process::{Child, Stdio};
+use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process};
 use support::{Place, stderr, wait_for};
@@ -65,6 +66,28 @@ fn ctrl_c_leaves_a_readable_record_and_report() {
 #[test]
 fn so_does_a_request_to_terminate() {
     interrupted_by(Signal::TERM);
+}
+
+/// A world that would take a month; before it one that is done at once, whose row is to be kept.
+#[test]
+fn ctrl_c_ends_a_sweep_within_its_worlds_and_keeps_those_that_are_done() {
+    let place = Place::new();
+    let vary = ["--vary", "steps=grid(1,10000000000,2)", "--threads", "1", "--out", "sweep.csv"];
+    let arguments = [&["sweep", "ragdoll"][..], &vary].concat();
+    let child = place.command(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    wait_for("a sweep's file", || std::fs::metadata(place.path("sweep.csv")).is_ok_and(|file| file.len() > 0));
+    // Well into the second world: many steps at once, which once were 20 seconds.
+    std::thread::sleep(Duration::from_secs(2));
+    let asked = Instant::now();
+    signal(&child, Signal::INT);
+    let output = child.wait_with_output().unwrap();
+    let waited = asked.elapsed();
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    assert!(waited < Duration::from_secs(3), "{waited:?}");
+    assert!(String::from_utf8_lossy(&output.stdout).contains("1 of 2"));
+    let file = place.read("sweep.csv");
+    let rows: Vec<&str> = file.lines().skip(2).collect();
+    assert!(rows.len() == 1 && rows[0].starts_with("0,1.0,ok,1,"), "{rows:?}");
 }
 
 #[test]

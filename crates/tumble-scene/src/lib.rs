@@ -27,6 +27,7 @@ mod limits;
 mod model;
 mod scene;
 mod values;
+mod written;
 
 pub use audit::collider::AuditedCollider;
 pub use audit::joint::{
@@ -44,3 +45,4 @@ pub use limits::{MAX_BODIES, MAX_HEIGHTS, MAX_STEPS, TIME_STEPS, step_count, ste
 pub use model::parse::Format;
 pub use scene::body_names::BodyNames;
 pub use scene::{DEFAULT_STEPS, Scene};
+pub use written::{parse_count, parse_seconds};

@@ -7,7 +7,7 @@ use clap::{Args, Parser};
 use tumble::glam::DVec2;
 use tumble::math::Real;
 use tumble::{Integrator, Settings};
-use tumble_scene::{MAX_BODIES, Scene, steps_of_duration, time_step};
+use tumble_scene::{MAX_BODIES, Scene, parse_seconds, steps_of_duration, time_step};
 
 use crate::camera::{Camera, DISTANCES, Up};
 use crate::failure::Failure;
@@ -40,7 +40,7 @@ pub(crate) struct Options {
     /// Seed of a generated scene [default: 0]
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     seed: Option<u64>,
-    /// Time step in seconds, instead of the scene's
+    /// Time step in seconds, such as 1/60, 0.01 or 5ms, instead of the scene's
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = dt)]
     dt: Option<Real>,
     /// Equal parts that each step is divided into
@@ -247,12 +247,12 @@ impl FromStr for Angles {
 }
 
 fn dt(text: &str) -> Result<Real, String> {
-    time_step(number(text)?)
+    time_step(parse_seconds(text)?)
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
-    let seconds = number(text)?;
-    if seconds.is_finite() && seconds >= 0.0 { Ok(seconds) } else { Err("must be a time from 0 on".to_owned()) }
+    let seconds = parse_seconds(text)?;
+    if seconds >= 0.0 { Ok(seconds) } else { Err("must be a time from 0 on".to_owned()) }
 }
 
 fn speed(text: &str) -> Result<f64, String> {

@@ -4,6 +4,35 @@ use std::error::Error;
 
 use crate::LEVELS;
 
+/// What `--help` prints.
+pub(crate) const HELP: &str = "\
+Dock with a tumbling satellite.
+
+Usage: docking [OPTIONS]
+
+Options:
+      --autopilot               Begin with the autopilot on
+      --level N                 1 drifts, 2 tumbles, 3 flips over now and then [default: 2]
+      --start N                 Another attitude and place to start from [default: 0]
+      --screenshot FILE         Fly the autopilot to a time at once, write a .png file and end
+      --at SECONDS              That time [default: 0]
+  -h, --help                    Print this
+
+Keys:
+  W S, A D, E Q                 Push forward and back, left and right, up and down
+  arrows, Z C                   Pitch and yaw, roll
+  X                             Brake: stop drifting past the satellite
+  H, M                          Hold the attitude, match the tumble of the satellite
+  P                             The autopilot, on or off
+  1 2 3                         The level
+  N, Backspace                  Another start, the same start again
+  K, L                          Keep this moment, go back to it
+  Escape                        Quit
+
+The latches catch within 0.25 m, 0.3 m/s, 10 degrees and 4.6 degrees a second. A way to win: M; turn
+until the ring is in the middle of the dial; X; push until the cross is too; X; W for a second.
+";
+
 /// What the command line asks for.
 #[derive(Debug, Default)]
 pub(crate) struct Options {
@@ -17,6 +46,10 @@ pub(crate) struct Options {
 impl Options {
     /// Those of this process, which ends where they make no sense.
     pub(crate) fn of_process() -> Self {
+        if std::env::args().skip(1).any(|word| ["-h", "--help"].contains(&word.as_str())) {
+            print!("{HELP}");
+            std::process::exit(0);
+        }
         Self::parse(std::env::args().skip(1)).unwrap_or_else(|error| {
             eprintln!("docking: {error}");
             std::process::exit(2)
@@ -33,7 +66,11 @@ impl Options {
                 "--start" => options.seed = number(&word, &value()?)?,
                 "--screenshot" => options.screenshot = Some(picture(value()?)?),
                 "--at" => options.at = moment(&value()?)?,
-                _ => return Err(format!("{word}: try --autopilot, --level, --start, --screenshot or --at").into()),
+                _ => {
+                    return Err(
+                        format!("{word}: try --autopilot, --level, --start, --screenshot, --at or --help").into()
+                    );
+                }
             }
         }
         Ok(options)

@@ -223,5 +223,23 @@ fn the_command_line_names_what_is_wrong() {
     assert_eq!(error("--at inf"), "--at inf: from 0 to 3600 seconds");
     assert_eq!(error("--screenshot a"), "--screenshot a: only .png files are written");
     assert_eq!(error("--start"), "--start needs a value");
-    assert_eq!(error("--stop"), "--stop: try --autopilot, --level, --start, --screenshot or --at");
+    assert_eq!(error("--stop"), "--stop: try --autopilot, --level, --start, --screenshot, --at or --help");
+}
+
+/// The help has every option that is read, and every key of the README's table.
+#[test]
+fn the_help_has_all_options_and_keys() {
+    for option in ["--autopilot", "--level", "--start", "--screenshot", "--at"] {
+        assert!(crate::options::HELP.contains(&format!("      {option} ")), "{option}");
+    }
+    let guide = include_str!("../README.md");
+    let table = guide.split("## Keys").nth(1).unwrap().split("## ").next().unwrap();
+    let keys = table.lines().filter_map(|line| line.strip_prefix("| ")?.split(" | ").next());
+    let words: Vec<&str> =
+        keys.skip(1).flat_map(|keys| keys.split([' ', ',', '`'])).filter(|key| !key.is_empty()).collect();
+    assert!(words.len() > 20, "{words:?}");
+    for word in words {
+        let (_, keys) = crate::options::HELP.split_once("Keys:").unwrap();
+        assert!(keys.split([' ', ',', '\n']).any(|known| known == word), "{word}");
+    }
 }

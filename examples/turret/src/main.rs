@@ -10,8 +10,35 @@ use tumble::prelude::*;
 
 use crate::game::{Bullet, Drone, EYE, Game};
 
-#[macroquad::main("turret")]
-async fn main() -> Result<(), Box<dyn std::error::Error>> {
+const HELP: &str = "\
+A turret aims by rays at drones and shoots; the yellow line is the ray to what it sees.
+
+Usage: turret
+
+Keys:
+  left, right    Turn the camera
+  Escape         Quit
+";
+
+fn main() {
+    if let Some(word) = std::env::args().nth(1) {
+        let is_help = ["-h", "--help"].contains(&word.as_str());
+        if is_help {
+            print!("{HELP}");
+        } else {
+            eprintln!("turret: {word}: there is no option but --help");
+        }
+        std::process::exit(if is_help { 0 } else { 2 });
+    }
+    macroquad::Window::new("turret", async {
+        if let Err(error) = play().await {
+            eprintln!("turret: {error}");
+            std::process::exit(1);
+        }
+    });
+}
+
+async fn play() -> Result<(), Box<dyn std::error::Error>> {
     let mut game = Game::new(7)?;
     let mut angle: f32 = 0.6;
     while !mq::is_key_pressed(mq::KeyCode::Escape) {

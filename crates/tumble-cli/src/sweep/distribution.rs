@@ -8,8 +8,9 @@ use tumble::Rng;
 
 /// What the values of a field are drawn from in a [`Sweep`](crate::sweep::Sweep).
 ///
-/// Read and written as `LO..HI`, `normal(MEAN,SD)` or `grid(LO,HI,N)`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Read and written as `LO..HI`, `normal(MEAN,SD)`, `choice(A,B,..)`, `grid(LO,HI,N)` or
+/// `list(A,B,..)`.
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Distribution {
     /// Any number from `low` to `high`, equally likely.
     Uniform {
@@ -35,12 +36,20 @@ pub(crate) enum Distribution {
         /// How many.
         count: u64,
     },
+    /// Any of these values, equally likely.
+    Choice(Vec<f64>),
+    /// These values, one after the other.
+    List(Vec<f64>),
 }
+
+/// Most values of a choice or a list.
+const MAX_VALUES: usize = 10_000;
 
 impl Distribution {
     /// Why nothing finite can be drawn, if that is so.
     pub(crate) fn check(&self) -> Result<(), String> {
         match *self {
+            Self::Choice(ref values) | Self::List(ref values) => check_values(values),
             Self::Uniform { low, high } => check_ends(low, high),
             Self::Normal { mean, deviation } if !(mean.is_finite() && deviation.is_finite()) => {
                 Err(format!("{mean} and {deviation} must be finite"))
@@ -61,6 +70,13 @@ impl Distribution {
     /// no chance.
     pub(crate) fn draw(&self, mut rng: Rng, step: u64) -> f64 {
         match *self {
+            Self::Choice(ref values) => {
+                let index = (values.len() as f64 * rng.unit()) as usize;
+                values.get(index.min(values.len().saturating_sub(1))).copied().unwrap_or_default()
+            }
+            Self::List(ref values) => {
+                usize::try_from(step).ok().and_then(|step| values.get(step)).copied().unwrap_or_default()
+            }
             Self::Uniform { low, high } => (low + (high - low) * rng.unit()).min(high),
             Self::Normal { mean, deviation } => mean + deviation * standard_normal(&mut rng),
             Self::Grid { low, high, count } => {
@@ -86,12 +102,25 @@ impl Distribution {
         match *self {
             Self::Uniform { low, high } | Self::Grid { low, high, .. } => vec![low, high],
             Self::Normal { mean, .. } => vec![mean],
+            Self::Choice(ref values) | Self::List(ref values) => {
+                let end = |pick: fn(f64, f64) -> f64| values.iter().copied().reduce(pick);
+                end(f64::min).into_iter().chain(end(f64::max)).collect()
+            }
         }
     }
 
-    /// Steps of a grid; one for what is drawn at random.
+    /// Steps of a grid or a list; one for what is drawn at random.
     pub(crate) fn steps(&self) -> u64 {
-        if let Self::Grid { count, .. } = *self { count } else { 1 }
+        match self {
+            Self::Grid { count, .. } => *count,
+            Self::List(values) => values.len() as u64,
+            Self::Uniform { .. } | Self::Normal { .. } | Self::Choice(_) => 1,
+        }
+    }
+
+    /// Whether its values come one after the other.
+    pub(crate) fn is_stepped(&self) -> bool {
+        matches!(self, Self::Grid { .. } | Self::List(_))
     }
 
     /// Whether all values are whole numbers.
@@ -101,8 +130,18 @@ impl Distribution {
                 let whole = |value: f64| value.fract() == 0.0;
                 whole(low) && whole(high) && (count == 1 || (high - low) % (count - 1) as f64 == 0.0)
             }
-            _ => false,
+            Self::Choice(ref values) | Self::List(ref values) => values.iter().all(|value| value.fract() == 0.0),
+            Self::Uniform { .. } | Self::Normal { .. } => false,
         }
+    }
+}
+
+fn check_values(values: &[f64]) -> Result<(), String> {
+    match values.iter().find(|value| !value.is_finite()) {
+        Some(value) => Err(format!("{value} must be finite")),
+        None if values.is_empty() => Err("there is no value".to_owned()),
+        None if values.len() > MAX_VALUES => Err(format!("{} values are more than {MAX_VALUES}", values.len())),
+        None => Ok(()),
     }
 }
 
@@ -141,6 +180,10 @@ impl FromStr for Distribution {
             let count = count.trim();
             let count = count.parse().map_err(|_| format!("{text}: {count:?} is not a number of values"))?;
             Self::Grid { low, high, count }
+        } else if let Some(arguments) = arguments(text, "choice") {
+            Self::Choice(values(text, arguments)?)
+        } else if let Some(arguments) = arguments(text, "list") {
+            Self::List(values(text, arguments)?)
         } else {
             let (low, high) = text.split_once("..").ok_or_else(|| form(text))?;
             // Three dots may be meant as two: then `.5` is not what was meant.
@@ -160,8 +203,18 @@ impl fmt::Display for Distribution {
             Self::Uniform { low, high } => write!(f, "{low}..{high}"),
             Self::Normal { mean, deviation } => write!(f, "normal({mean},{deviation})"),
             Self::Grid { low, high, count } => write!(f, "grid({low},{high},{count})"),
+            Self::Choice(values) => write!(f, "choice({})", joined(values)),
+            Self::List(values) => write!(f, "list({})", joined(values)),
         }
     }
+}
+
+fn joined(values: &[f64]) -> String {
+    values.iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
+}
+
+fn values(text: &str, arguments: &str) -> Result<Vec<f64>, String> {
+    arguments.split(',').map(|value| number(text, value)).collect()
 }
 
 fn arguments<'a>(text: &'a str, name: &str) -> Option<&'a str> {
@@ -169,7 +222,7 @@ fn arguments<'a>(text: &'a str, name: &str) -> Option<&'a str> {
 }
 
 fn form(text: &str) -> String {
-    format!("{text:?} is none of LO..HI, normal(MEAN,SD) and grid(LO,HI,N)")
+    format!("{text:?} is none of LO..HI, normal(MEAN,SD), choice(A,B,..), grid(LO,HI,N) and list(A,B,..)")
 }
 
 fn numbers(text: &str, arguments: &str) -> Result<[f64; 2], String> {
@@ -236,6 +289,22 @@ mod tests {
     }
 
     #[test]
+    fn a_list_has_its_values_in_order_and_a_choice_all_of_them() {
+        assert_eq!(draws("list(5,-1,2)", 4), [5.0, -1.0, 2.0, 5.0]);
+        let values = draws("choice(1,4,10)", 10_000);
+        for value in [1.0, 4.0, 10.0] {
+            // A third of them, and five standard deviations of 47.
+            let count = values.iter().filter(|drawn| **drawn == value).count();
+            assert!(count.abs_diff(3333) < 236, "{value}: {count}");
+        }
+        assert!(values.iter().all(|value| [1.0, 4.0, 10.0].contains(value)));
+        let samples = |text: &str| text.parse::<Distribution>().unwrap().samples();
+        assert_eq!(samples("list(5,-1,2)"), [-1.0, 5.0]);
+        let whole = |text: &str| text.parse::<Distribution>().unwrap().is_whole();
+        assert!(whole("list(1,3)") && whole("choice(2,8)") && !whole("list(1,2.5)"));
+    }
+
+    #[test]
     fn a_grid_of_whole_numbers_has_no_others() {
         for (low, high) in [(1_u64, 50), (1, 1000), (0, 49), (1, 99)] {
             let count = high - low + 1;
@@ -272,6 +341,9 @@ mod tests {
             Distribution::Grid { low: 0.0, high: 1.0, count: 0 },
             Distribution::Grid { low: nan, high: nan, count: 1 },
             Distribution::Grid { low: 0.0, high: 1.0, count: u64::MAX },
+            Distribution::List(Vec::new()),
+            Distribution::Choice(vec![1.0, nan]),
+            Distribution::List(vec![1.0; MAX_VALUES + 1]),
         ] {
             assert!(bad.check().is_err(), "{bad:?}");
         }
@@ -279,7 +351,16 @@ mod tests {
 
     #[test]
     fn what_is_written_reads_back() {
-        for text in ["0.1..1e300", "normal(-3.5,0)", "grid(1,2,3)", "-5..-1", " 1 .. 2 ", "normal( 1 , 2 )"] {
+        for text in [
+            "0.1..1e300",
+            "normal(-3.5,0)",
+            "grid(1,2,3)",
+            "-5..-1",
+            " 1 .. 2 ",
+            "normal( 1 , 2 )",
+            "list(1, 2.5,-3)",
+            "choice(7)",
+        ] {
             let distribution: Distribution = text.parse().unwrap();
             assert_eq!(distribution.to_string().parse(), Ok(distribution));
         }
@@ -306,6 +387,9 @@ mod tests {
             "grid(1,2,-3)",
             "grid(1,2,99999999999999999999)",
             "cauchy(0,1)",
+            "list()",
+            "choice(1,,2)",
+            "list(1,inf)",
             "1..2..3",
             "0...5",
             "0....5",

@@ -21,6 +21,16 @@ pub(crate) enum SweepError {
     /// No body has the name.
     #[error("--body {0:?}: the scene has no body of that name")]
     Body(String),
+    /// What is to be watched is no observable or no condition of this scene.
+    #[error("--{option} {text:?}: {}", printable(.problem))]
+    Observation {
+        /// `observe` or `until`.
+        option: &'static str,
+        /// As it was written.
+        text: String,
+        /// Why not.
+        problem: String,
+    },
     /// The number of worlds is missing, zero or absurd.
     #[error("--worlds {}", printable(.0))]
     Worlds(String),

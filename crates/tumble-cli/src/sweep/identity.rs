@@ -46,6 +46,10 @@ pub(crate) struct SweepIdentity {
     integrator: Option<String>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     bodies: Vec<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    observe: Vec<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    until: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     shard: Option<String>,
 }
@@ -75,6 +79,8 @@ impl SweepIdentity {
             substeps: plan.substeps,
             integrator: plan.integrator.map(|integrator| integrator.name().to_owned()),
             bodies: plan.bodies.clone(),
+            observe: plan.observe.clone(),
+            until: plan.until.clone(),
             shard: shard.map(|shard| shard.to_string()),
         }
     }

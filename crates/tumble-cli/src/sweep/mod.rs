@@ -6,6 +6,7 @@ pub(crate) mod error;
 pub(crate) mod file;
 pub(crate) mod identity;
 pub(crate) mod merge;
+pub(crate) mod observation;
 pub(crate) mod options;
 pub(crate) mod parameter;
 pub(crate) mod plot;
@@ -22,6 +23,7 @@ use tumble_scene::{FieldPath, RunLength, RunOverrides, SceneError, SceneTemplate
 
 use crate::sweep::distribution::Distribution;
 use crate::sweep::error::SweepError;
+use crate::sweep::observation::{Observable, Until};
 use crate::sweep::parameter::SweepParameter;
 
 /// The most worlds of a sweep.
@@ -49,6 +51,10 @@ pub(crate) struct SweepPlan {
     pub(crate) integrator: Option<Integrator>,
     /// The bodies whose end is of interest, by name; the first one if none is named.
     pub(crate) bodies: Vec<String>,
+    /// What is watched in each step, as it was written.
+    pub(crate) observe: Vec<String>,
+    /// What ends a world before its steps are done, as it was written.
+    pub(crate) until: Option<String>,
 }
 
 /// A scene with fields that differ from world to world: at random, or over the values of a grid.
@@ -65,10 +71,12 @@ pub(crate) struct Sweep {
     worlds: u64,
     scene: VariedScene,
     scene_hash: u64,
-    /// Of each field of the scene that varies.
+    /// Of each draw, in the order of the fields that it changes.
     varied: Vec<Varied>,
     reported: Vec<usize>,
     reported_names: Vec<String>,
+    observables: Vec<Observable>,
+    until: Option<Until>,
     files: Vec<PathBuf>,
 }
 
@@ -77,6 +85,14 @@ struct Varied {
     distribution: Distribution,
     /// Of a grid: for how many worlds the value stays.
     stride: u64,
+    /// By what the value is multiplied in each of its fields.
+    factors: Vec<f64>,
+}
+
+impl Varied {
+    fn values(&self, drawn: f64) -> impl Iterator<Item = f64> {
+        self.factors.iter().map(move |factor| drawn * factor)
+    }
 }
 
 impl Sweep {
@@ -89,12 +105,15 @@ impl Sweep {
         let names = scene.body_names();
         let reported = reported(&plan.bodies, &names)?;
         let worlds = worlds(&plan, &varied)?;
+        let (observables, until) = watched(&plan, &names)?;
         let reported_names = reported.iter().filter_map(|&i| names.get(i).cloned()).collect();
         let (scene_hash, files) = (scene.hash(), scene.files().to_vec());
         let scene = scene.varied(fields);
-        let sweep = Self { plan, worlds, scene, scene_hash, varied, reported, reported_names, files };
+        let sweep =
+            Self { plan, worlds, scene, scene_hash, varied, reported, reported_names, observables, until, files };
         let ends = |pick: fn(&[f64]) -> Option<&f64>| -> Vec<f64> {
-            sweep.varied.iter().filter_map(|varied| pick(&varied.distribution.samples()).copied()).collect()
+            let ends = sweep.varied.iter().filter_map(|varied| Some((varied, *pick(&varied.distribution.samples())?)));
+            ends.flat_map(|(varied, end)| varied.values(end)).collect()
         };
         sweep.build(&ends(<[f64]>::first))?;
         sweep.build(&ends(<[f64]>::last))?;
@@ -131,6 +150,16 @@ impl Sweep {
         &self.reported_names
     }
 
+    /// What is watched in each step.
+    pub(crate) fn observables(&self) -> &[Observable] {
+        &self.observables
+    }
+
+    /// What ends a world before its steps are done.
+    pub(crate) fn until(&self) -> Option<Until> {
+        self.until
+    }
+
     /// The files that the scene was read from: its own and those of meshes.
     pub(crate) fn files(&self) -> &[PathBuf] {
         &self.files
@@ -138,12 +167,12 @@ impl Sweep {
 
     /// The values that the varied fields have in a world.
     pub(crate) fn draw(&self, world: u64) -> Vec<f64> {
-        let value = |(place, varied): (usize, &Varied)| {
+        let values = self.varied.iter().enumerate().flat_map(|(place, varied)| {
             let seed_of_field = Rng::stream(self.plan.seed, place as u64).next_u64();
             let step = world / varied.stride % varied.distribution.steps();
-            varied.distribution.draw(Rng::stream(seed_of_field, world), step)
-        };
-        self.varied.iter().enumerate().map(value).collect()
+            varied.values(varied.distribution.draw(Rng::stream(seed_of_field, world), step))
+        });
+        values.collect()
     }
 
     /// Makes the world in which the varied fields have these values.
@@ -156,31 +185,17 @@ impl Sweep {
 fn find_fields(plan: &SweepPlan, scene: &SceneTemplate) -> Result<(Vec<FieldPath>, Vec<Varied>), SweepError> {
     let mut fields: Vec<FieldPath> = Vec::with_capacity(plan.vary.len());
     let mut found: Vec<Varied> = Vec::with_capacity(plan.vary.len());
-    for SweepParameter { field, distribution } in &plan.vary {
-        let refuse = |problem: &str| Err(FieldError::new(field.as_str(), problem).into());
-        let path = scene.field(field)?;
-        if let Err(problem) = distribution.check() {
-            return refuse(&problem);
+    for SweepParameter { fields: together, distribution } in &plan.vary {
+        let mut factors = Vec::with_capacity(together.len());
+        for (field, factor) in together {
+            let path = find_field(plan, scene, (field, *factor), distribution)?;
+            if fields.iter().any(|other| other.same_place(&path)) {
+                return Err(FieldError::new(field.as_str(), "is varied twice").into());
+            }
+            fields.push(path);
+            factors.push(*factor);
         }
-        let set_already = match path.scene_field() {
-            Some("dt") => plan.dt.is_some(),
-            Some("substeps") => plan.substeps.is_some(),
-            Some("steps") => plan.length.is_some(),
-            _ => false,
-        };
-        if set_already {
-            return refuse("an option sets it already");
-        }
-        if fields.iter().any(|other| other.same_place(&path)) {
-            return refuse("is varied twice");
-        }
-        if path.is_count() && !distribution.is_whole() {
-            return refuse("takes whole numbers: a grid of them, as in grid(1,8,8)");
-        }
-        // Tried on a copy, so that a wrong path is known to be one before any world is made.
-        scene.check(&path)?;
-        fields.push(path);
-        found.push(Varied { distribution: *distribution, stride: 1 });
+        found.push(Varied { distribution: distribution.clone(), stride: 1, factors });
     }
     let mut stride = 1;
     for varied in found.iter_mut().rev() {
@@ -193,16 +208,52 @@ fn find_fields(plan: &SweepPlan, scene: &SceneTemplate) -> Result<(Vec<FieldPath
     Ok((fields, found))
 }
 
+/// A field that can have the values.
+fn find_field(
+    plan: &SweepPlan,
+    scene: &SceneTemplate,
+    (field, factor): (&str, f64),
+    distribution: &Distribution,
+) -> Result<FieldPath, SweepError> {
+    let refuse = |problem: &str| Err(FieldError::new(field, problem).into());
+    let path = scene.field(field)?;
+    if let Err(problem) = distribution.check() {
+        return refuse(&problem);
+    }
+    let set_already = match path.scene_field() {
+        Some("dt") => plan.dt.is_some(),
+        Some("substeps") => plan.substeps.is_some(),
+        Some("steps") => plan.length.is_some(),
+        _ => false,
+    };
+    if set_already {
+        return refuse("an option sets it already");
+    }
+    if path.is_count() && !(distribution.is_whole() && factor.fract() == 0.0) {
+        return refuse("takes whole numbers: a grid of them, as in grid(1,8,8), or a list, as in list(1,4,16)");
+    }
+    // Tried on a copy, so that a wrong path is known to be one before any world is made.
+    scene.check(&path)?;
+    Ok(path)
+}
+
 fn worlds(plan: &SweepPlan, varied: &[Varied]) -> Result<u64, SweepError> {
-    let only_grids =
-        !varied.is_empty() && varied.iter().all(|varied| matches!(varied.distribution, Distribution::Grid { .. }));
+    let only_grids = !varied.is_empty() && varied.iter().all(|varied| varied.distribution.is_stepped());
     match plan.worlds {
         Some(0) => Err(SweepError::Worlds("0: a sweep has one world at least".to_owned())),
         Some(worlds) if worlds > MAX_WORLDS => Err(SweepError::Worlds(format!("{worlds} is more than {MAX_WORLDS}"))),
         Some(worlds) => Ok(worlds),
         None if only_grids => Ok(varied.iter().map(|varied| varied.distribution.steps()).product()),
-        None => Err(SweepError::Worlds("N is missing: only grids know how many worlds they make".to_owned())),
+        None => Err(SweepError::Worlds("N is missing: only grids and lists know how many worlds they make".to_owned())),
     }
+}
+
+fn watched(plan: &SweepPlan, names: &[String]) -> Result<(Vec<Observable>, Option<Until>), SweepError> {
+    let refused = |option, text: &str, problem| SweepError::Observation { option, text: text.to_owned(), problem };
+    let observable =
+        |text: &String| Observable::parse(text, names).map_err(|problem| refused("observe", text, problem));
+    let until = |text: &String| Until::parse(text, names).map_err(|problem| refused("until", text, problem));
+    Ok((plan.observe.iter().map(observable).collect::<Result<_, _>>()?, plan.until.as_ref().map(until).transpose()?))
 }
 
 fn reported(wanted: &[String], names: &[String]) -> Result<Vec<usize>, SweepError> {

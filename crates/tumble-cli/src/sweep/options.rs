@@ -9,7 +9,7 @@ use crate::sweep::shard::Shard;
 use crate::sweep::{MAX_WORLDS, SweepPlan};
 use clap::Args;
 
-use crate::options::StepOptions;
+use crate::options::{StepOptions, count_up_to};
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepOptions {
@@ -19,15 +19,17 @@ pub(crate) struct SweepOptions {
     /// The .csv file to write, or to go on with: one row for each world
     #[arg(long, value_name = "FILE")]
     pub(crate) out: PathBuf,
-    /// A numeric field and its values: FIELD=LO..HI, FIELD=normal(MEAN,SD) or FIELD=grid(LO,HI,N);
-    /// may be given again
+    /// A numeric field and its values: FIELD=LO..HI, normal(MEAN,SD) or choice(A,B,..) at random,
+    /// grid(LO,HI,N) or list(A,B,..) in order; may be given again
+    ///
+    /// FIELD,FIELD=VALUES gives several fields one value, and FIELD*2 twice of it.
     ///
     /// FIELD is the path in the file: gravity.1, dt, bodies.0.mass,
     /// bodies.brick.angular_velocity.2, joints.elbow.drives.0.stiffness, …
     #[arg(long, value_name = "FIELD=VALUES", value_parser = str::parse::<SweepParameter>)]
     pub(crate) vary: Vec<SweepParameter>,
-    /// Worlds [default: all combinations, where there are only grids]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=MAX_WORLDS))]
+    /// Worlds [default: all combinations, where there are only grids and lists]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = worlds)]
     pub(crate) worlds: Option<u64>,
     /// What chance begins with
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 0)]
@@ -35,6 +37,14 @@ pub(crate) struct SweepOptions {
     /// A body whose end is written, by name; may be given again [default: the first]
     #[arg(long, value_name = "NAME")]
     pub(crate) body: Vec<String>,
+    /// A column of what is seen in all steps: max(BODY.COLUMN), min(BODY.COLUMN), first_contact or
+    /// first_contact(BODY); may be given again
+    #[arg(long, value_name = "WHAT")]
+    pub(crate) observe: Vec<String>,
+    /// End a world where this is so: BODY.COLUMN<NUMBER, BODY.COLUMN>NUMBER, first_contact or
+    /// first_contact(BODY)
+    #[arg(long, value_name = "CONDITION")]
+    pub(crate) until: Option<String>,
     /// Only the I-th of N parts of the worlds
     #[arg(long, value_name = "I/N", value_parser = str::parse::<Shard>)]
     pub(crate) shard: Option<Shard>,
@@ -90,6 +100,12 @@ impl SweepOptions {
             substeps: self.stepping.substeps,
             integrator: self.stepping.integrator,
             bodies: self.body.clone(),
+            observe: self.observe.clone(),
+            until: self.until.clone(),
         }
     }
+}
+
+fn worlds(text: &str) -> Result<u64, String> {
+    count_up_to(text, MAX_WORLDS)
 }

@@ -1,12 +1,13 @@
 //! One world of a sweep: run, and what became of it as a line of CSV.
 
 use std::fmt::Write as _;
-use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
 
 use tumble_record::{STATE_COLUMNS, csv_cell, state_numbers};
 use tumble_scene::VariedWorld;
 
 use crate::sweep::Sweep;
+use crate::sweep::observation::Observation;
 use crate::sweep::run_status::RunStatus;
 use tumble::math::Real;
 use tumble::{BodyOrder, Pose, Trial, Velocity};
@@ -14,9 +15,8 @@ use tumble::{BodyOrder, Pose, Trial, Velocity};
 use crate::drift::Drift;
 use crate::interrupt;
 
-/// Substeps of one body between two looks at Ctrl-C: a tenth of a second or less, unless a single
-/// step takes longer.
-const UNINTERRUPTED: usize = 1_000_000;
+/// Between two looks at Ctrl-C, unless a single step takes longer.
+const UNINTERRUPTED: Duration = Duration::from_millis(50);
 
 /// The line of one world, with its end.
 pub(crate) struct Row {
@@ -32,6 +32,7 @@ struct End {
     energy: f64,
     drift: f64,
     hash: u64,
+    seen: Vec<Option<f64>>,
 }
 
 /// The names of the columns.
@@ -46,6 +47,7 @@ pub(crate) fn columns(sweep: &Sweep) -> Vec<String> {
             .flat_map(|name| STATE_COLUMNS.map(|of| csv_cell(&format!("{name}.{of}")).into_owned())),
     );
     columns.extend(["energy", "energy_drift", "hash"].map(str::to_owned));
+    columns.extend(sweep.plan().observe.iter().map(|what| csv_cell(what).into_owned()));
     columns
 }
 
@@ -64,10 +66,11 @@ pub(crate) fn row(sweep: &Sweep, index: u64) -> Option<Row> {
         put(&mut text, format_args!(",{value:?}"));
     }
     put(&mut text, format_args!(",{}", outcome.name()));
+    let empty = 5 + STATE_COLUMNS.len() * sweep.reported().len() + sweep.observables().len();
     match end {
         Some(end) => end.write(&mut text),
         // The columns are there, with nothing in them.
-        None => text.extend(std::iter::repeat_n(',', 5 + STATE_COLUMNS.len() * sweep.reported().len())),
+        None => text.extend(std::iter::repeat_n(',', empty)),
     }
     text.push('\n');
     Some(Row { text, outcome })
@@ -78,12 +81,8 @@ fn run(sweep: &Sweep, world: VariedWorld) -> Option<Result<End, ()>> {
     let VariedWorld { mut trial, steps } = world;
     let order = BodyOrder::of(&trial.world);
     let Ok(mut drift) = Drift::start(&trial.world, trial.simulation.settings(), &order) else { return Some(Err(())) };
-    let period = period(order.len(), trial.simulation.settings().substeps);
-    let run = trial
-        .run(steps, period, |_| if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) });
-    if run.is_break() && trial.simulation.steps() < steps {
-        return None;
-    }
+    let mut observation = Observation::start(sweep.observables(), sweep.until(), &trial, &order);
+    all_steps(&mut trial, steps, &mut observation, &order)?;
     if drift.sample(&trial.world, trial.simulation.settings(), &order).is_err() {
         return Some(Err(()));
     }
@@ -95,13 +94,36 @@ fn run(sweep: &Sweep, world: VariedWorld) -> Option<Result<End, ()>> {
         energy: energy.r#final,
         drift: energy.max_relative_drift,
         hash: tumble::state_hash(&trial.world, &order),
+        seen: observation.seen(),
     }))
 }
 
-/// Steps between two looks at Ctrl-C.
-fn period(bodies: usize, substeps: u32) -> u32 {
-    let of_a_step = bodies.max(1).saturating_mul(usize::try_from(substeps).unwrap_or(usize::MAX).max(1));
-    u32::try_from((UNINTERRUPTED / of_a_step).max(1)).unwrap_or(u32::MAX)
+/// Takes all steps, as many at once as fill the time between two looks at Ctrl-C; `None` if it
+/// came.
+fn all_steps(trial: &mut Trial, steps: u64, observation: &mut Observation<'_>, order: &BodyOrder) -> Option<()> {
+    let mut at_once = 1_u32;
+    while trial.simulation.steps() < steps {
+        if interrupt::asked() {
+            return None;
+        }
+        if observation.needs_every_step() {
+            trial.step_many(1);
+            if observation.see(trial, order) {
+                break;
+            }
+            continue;
+        }
+        let left = u32::try_from(steps - trial.simulation.steps()).unwrap_or(u32::MAX);
+        let begun = Instant::now();
+        trial.step_many(at_once.min(left));
+        let taken = begun.elapsed();
+        if taken < UNINTERRUPTED / 2 {
+            at_once = at_once.saturating_mul(2);
+        } else if taken > UNINTERRUPTED {
+            at_once = (at_once / 2).max(1);
+        }
+    }
+    Some(())
 }
 
 fn state(trial: &Trial, body: tumble::hecs::Entity) -> Option<[Real; STATE_COLUMNS.len()]> {
@@ -118,6 +140,12 @@ impl End {
             put(text, format_args!(",{number:?}"));
         }
         put(text, format_args!(",{:?},{:?},{:016x}", self.energy, self.drift, self.hash));
+        for seen in &self.seen {
+            match seen {
+                Some(seen) => put(text, format_args!(",{seen:?}")),
+                None => text.push(','),
+            }
+        }
     }
 }
 

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use glam::{DQuat, DVec3};
 use tumble::{Collider, ColliderError, HeightFieldError, MeshError, TriangleMesh};
-use tumble_import::checked::{note, unit_quaternion};
+use tumble_import::checked::note;
 use tumble_import::{Appearance, FieldError, Heights, shortest};
 
+use crate::convert::orientation::rotation;
 use crate::limits::MAX_HEIGHTS;
 use crate::model::scene_model::{BodyModel, Rows, ShapeModel};
 use crate::values::checked::finite_triple;
@@ -96,7 +97,7 @@ fn triangles(heights: &Rows, spacing: &Tuple<f64, 2>) -> Result<TriangleMesh, Me
 /// The rotation from the body's frame to the world, if the model has any. The frame of a half-space
 /// has y along the normal.
 pub(crate) fn orientation(model: &BodyModel) -> Result<Option<DQuat>, FieldError> {
-    let given = model.orientation.as_ref().map(|given| unit_quaternion("orientation", given.0)).transpose()?;
+    let given = model.orientation.as_ref().map(rotation).transpose()?;
     let Some(ShapeModel::HalfSpace { normal }) = &model.shape else { return Ok(given) };
     let turn = from_y_to(normal).map_err(|error| error.inside("shape.half_space"))?;
     Ok(Some(given.map_or(turn, |given| (given * turn).normalize())))

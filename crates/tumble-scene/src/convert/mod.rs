@@ -6,6 +6,7 @@ pub(crate) mod gears;
 pub(crate) mod ground;
 pub(crate) mod joint_options;
 pub(crate) mod joints;
+pub(crate) mod orientation;
 
 use std::sync::Arc;
 
@@ -204,7 +205,7 @@ fn part(model: &PartModel) -> Result<Part, FieldError> {
         part = part.at(finite_triple("position", position)?);
     }
     if let Some(orientation) = &model.orientation {
-        part = part.turned(unit_quaternion("orientation", orientation.0)?);
+        part = part.turned(orientation::rotation(orientation)?);
     }
     Ok(part)
 }

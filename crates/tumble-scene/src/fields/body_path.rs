@@ -3,6 +3,7 @@
 use crate::fields::field_path::{component, element, from_zero};
 use crate::fields::force_path::in_force;
 use crate::model::collider_model::ColliderModel;
+use crate::model::orientation_model::{OrientationModel, TurnModel};
 use crate::model::scene_model::{BodyModel, InertiaModel, PartModel, ShapeModel};
 use crate::values::tuple::{Quadruple, Tuple};
 
@@ -15,7 +16,7 @@ pub(crate) fn in_body<'a>(body: &'a mut BodyModel, path: &[&str]) -> Option<&'a 
         ["position", axis] => from_zero(&mut body.position, axis),
         ["linear_velocity", axis] => from_zero(&mut body.linear_velocity, axis),
         ["angular_velocity", axis] => from_zero(&mut body.angular_velocity, axis),
-        ["orientation", axis] => from_identity(&mut body.orientation, axis),
+        ["orientation", rest @ ..] => in_orientation(&mut body.orientation, rest),
         // Only what is given can be varied: the shape's would have to be known here.
         ["center_of_mass", axis] => component(body.center_of_mass.as_mut()?, axis),
         ["inertia", rest @ ..] => in_inertia(body.inertia.as_deref_mut()?, rest),
@@ -85,8 +86,21 @@ fn in_part<'a>(part: &'a mut PartModel, path: &[&str]) -> Option<&'a mut f64> {
         ["mass"] => Some(part.mass.get_or_insert(0.0)),
         ["density"] => Some(part.density.get_or_insert(0.0)),
         ["position", axis] => from_zero(&mut part.position, axis),
-        ["orientation", axis] => from_identity(&mut part.orientation, axis),
+        ["orientation", rest @ ..] => in_orientation(&mut part.orientation, rest),
         ["shape", rest @ ..] => in_shape(&mut part.shape, rest),
+        _ => None,
+    }
+}
+
+/// In the form that the scene has; without one in either, the angle about y.
+fn in_orientation<'a>(orientation: &'a mut Option<OrientationModel>, path: &[&str]) -> Option<&'a mut f64> {
+    let about_y = || OrientationModel::Turn(TurnModel { axis: Tuple([0.0, 1.0, 0.0]), angle: 0.0 });
+    let none = || OrientationModel::Quaternion(Tuple([0.0, 0.0, 0.0, 1.0]));
+    let is_turn = matches!(path, ["angle"] | ["axis", ..]);
+    match (orientation.get_or_insert_with(if is_turn { about_y } else { none }), path) {
+        (OrientationModel::Quaternion(quaternion), [index]) => component(quaternion, index),
+        (OrientationModel::Turn(turn), ["angle"]) => Some(&mut turn.angle),
+        (OrientationModel::Turn(turn), ["axis", index]) => component(&mut turn.axis, index),
         _ => None,
     }
 }

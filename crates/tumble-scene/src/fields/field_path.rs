@@ -47,7 +47,7 @@ enum Slot<'a> {
 }
 
 const OF_A_SCENE: &str = "gravity.0 to gravity.2, dt, steps, substeps, contact_substeps, restitution_threshold, bodies.INDEX_OR_NAME.FIELD and joints.INDEX_OR_NAME.FIELD";
-const OF_A_BODY: &str = "mass, density, gravity_scale, position.I, orientation.I, linear_velocity.I, \
+const OF_A_BODY: &str = "mass, density, gravity_scale, position.I, orientation.I, orientation.angle, orientation.axis.I, linear_velocity.I, \
      angular_velocity.I, center_of_mass.I, inertia.principal.I, inertia.axes.I, inertia.tensor.I.J, shape.FIELD, collider.FIELD and forces.I.FIELD";
 
 const OF_A_JOINT: &str = "KIND.at.I, KIND.to.I, KIND.axis.I, limits.AXIS.BOUND, limits.cone.half_angles.I, \
@@ -309,7 +309,7 @@ mod tests {
         { "name": "a.b[1]", "shape": { "cone": { "radius": 1, "half_height": 2 } }, "mass": 1,
           "inertia": { "tensor": [[2, 0, 0], [0, 2, 0], [0, 0, 2]] } },
         { "shape": { "ellipsoid": { "radii": [1, 2, 3] } }, "density": 1, "center_of_mass": [0, 0, 0],
-          "inertia": { "principal": [2, 2, 2] }, "collider": {} },
+          "inertia": { "principal": [2, 2, 2] }, "collider": {}, "orientation": { "axis": [0, 0, 1], "angle": 1 } },
         { "shape": { "half_space": {} }, "fixed": true, "collider": { "static_friction": 1, "dynamic_friction": 1 } },
         { "shape": { "height_field": { "heights": [[0, 1], [2, 3]] } }, "fixed": true, "collider": {} } ],
         "joints": [ { "name": "j", "hinge": { "at": [0, 0, 0] } },
@@ -341,7 +341,7 @@ mod tests {
              bodies.0.shape.parts.0.orientation.1 bodies.0.forces.0.gravity_scale bodies.0.forces.1.damping.linear \
              bodies.0.forces.1.damping.angular bodies.a.b[1].shape.cone.radius bodies.1.shape.half_height \
              bodies.1.inertia.tensor.1.1 bodies.body-2.inertia.principal.0 bodies.2.inertia.axes.3 bodies.2.shape.radii.1 \
-             bodies.2.center_of_mass.1 contact_substeps restitution_threshold bodies.2.collider.friction \
+             bodies.2.center_of_mass.1 bodies.2.orientation.angle bodies.2.orientation.axis.1 bodies.1.orientation.angle contact_substeps restitution_threshold bodies.2.collider.friction \
              bodies.2.collider.restitution bodies.2.collider.rolling_resistance bodies.3.collider.static_friction \
              bodies.3.collider.dynamic_friction bodies.3.collider.surface_velocity.2 bodies.3.shape.half_space.normal.0 bodies.3.shape.normal.2 \
              bodies.4.shape.height_field.heights.1.0 bodies.4.shape.heights[0][1] bodies.4.shape.spacing.1 \
@@ -386,6 +386,7 @@ mod tests {
             "bodies.1.shape.sphere.radius",
             "bodies.1.inertia.principal.0",
             "bodies.2.inertia.tensor.0.0",
+            "bodies.2.orientation.0",
             "bodies.1.inertia.tensor.0.3",
             "bodies.-1.mass",
             "bodies.0.fixed",

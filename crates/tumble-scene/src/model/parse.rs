@@ -1,13 +1,17 @@
 //! Text to model, with the place of whatever is wrong.
 
+use std::borrow::Cow;
+
 use serde::de::DeserializeSeed;
 use serde_path_to_error::Segment;
 use tumble_import::{FileError, Place, one_line};
 
 use crate::error::SceneError;
 use crate::model::error_context::NameOfBody;
+use crate::model::json_comments::without_comments;
 use crate::model::mesh_shape;
 use crate::model::scene_model::SceneModel;
+use crate::model::shape_advice::advised;
 
 /// How a scene is written down.
 ///
@@ -48,17 +52,26 @@ const LONGEST_WORD: usize = 30;
 pub(crate) fn parse(text: &str, format: Format, file: &str) -> Result<SceneModel, SceneError> {
     // Editors on Windows put a byte-order mark in front.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let text = &*match format {
+        Format::Json => without_comments(text).map_err(|line| unclosed(file, line))?,
+        Format::Ron => Cow::Borrowed(text),
+    };
     let mut model = match format {
         Format::Json => parse_json(text),
         Format::Ron => parse_ron(text),
     }
-    .map_err(|(path, problem)| FileError::Malformed {
-        file: one_line(file),
-        place: place(&path, text, format),
-        problem: one_line(&problem),
+    .map_err(|(path, problem)| {
+        let segments: Vec<&Segment> = path.iter().collect();
+        let problem = one_line(&advised(&segments, &problem, format).unwrap_or(problem));
+        FileError::Malformed { file: one_line(file), place: place(&path, text, format), problem }
     })?;
     mesh_shape::make_all(&mut model, file);
     Ok(model)
+}
+
+fn unclosed(file: &str, line: usize) -> FileError {
+    let problem = format!("the comment that begins in line {line} does not end");
+    FileError::Malformed { file: one_line(file), place: Place { body: None, field: String::new() }, problem }
 }
 
 type Located = (serde_path_to_error::Path, String);
@@ -177,6 +190,19 @@ mod tests {
             "scene: body \"b\" (bodies[1]), field mass: Expected float at line 1 column 35, near \"x\""
         );
         assert!(message(r#"{ "dt": 1e999 }"#, Format::Json).ends_with(", near 1e999"));
+    }
+
+    #[test]
+    fn comments_are_skipped_and_keep_the_lines() {
+        let text = "{ // what\n \"dt\": 0.5, /* how\nlong */ \"bodies\": [ { \"name\": \"a//b\" } ] }";
+        let model = parse(text, Format::Json, "scene").unwrap();
+        assert_eq!((model.dt, model.bodies[0].name.as_deref()), (Some(0.5), Some("a//b")));
+        let text = "{ // gr\u{fc}n\n/* two\n lines */ \"bodies\": [ { \"name\": \"b\", /* half */ \"mass\": true } ] }";
+        assert_eq!(
+            message(text, Format::Json),
+            "scene: body \"b\" (bodies[0]), field mass: invalid type: boolean `true`, expected f64 at line 3 column 60"
+        );
+        assert_eq!(message("{\n/* no end }", Format::Json), "scene: the comment that begins in line 2 does not end");
     }
 
     #[test]

@@ -14,6 +14,7 @@ use crate::model::force_model::ForceModel;
 use crate::model::gear_model::GearModel;
 use crate::model::joint_model::JointModel;
 use crate::model::mesh_shape::Made;
+use crate::model::orientation_model::OrientationModel;
 use crate::values::tuple::{List, Quadruple, Triple, Tuple};
 
 /// A whole file. `name`, `description` and `source` are for people.
@@ -73,7 +74,7 @@ pub(crate) struct BodyModel {
     pub(crate) inertia: Option<Box<InertiaModel>>,
     pub(crate) center_of_mass: Option<Triple>,
     pub(crate) position: Option<Triple>,
-    pub(crate) orientation: Option<Quadruple>,
+    pub(crate) orientation: Option<OrientationModel>,
     pub(crate) linear_velocity: Option<Triple>,
     pub(crate) angular_velocity: Option<Triple>,
     pub(crate) gravity_scale: Option<f64>,
@@ -177,7 +178,7 @@ impl ShapeModel {
 pub(crate) struct PartModel {
     pub(crate) shape: ShapeModel,
     pub(crate) position: Option<Triple>,
-    pub(crate) orientation: Option<Quadruple>,
+    pub(crate) orientation: Option<OrientationModel>,
     pub(crate) mass: Option<f64>,
     pub(crate) density: Option<f64>,
 }

@@ -2,6 +2,7 @@
 
 use crate::model::collider_model::ColliderModel;
 use crate::model::force_model::ForceModel;
+use crate::model::orientation_model::OrientationModel;
 use crate::model::scene_model::{BodyModel, SceneModel, ShapeModel};
 use crate::values::tuple::Tuple;
 
@@ -54,7 +55,8 @@ impl BodyModel {
 
     pub(crate) fn turned(self, [x, y, z, w]: [f64; 4]) -> Self {
         let length = (x * x + y * y + z * z + w * w).sqrt();
-        Self { orientation: Some(Tuple([x / length, y / length, z / length, w / length])), ..self }
+        let unit = Tuple([x / length, y / length, z / length, w / length]);
+        Self { orientation: Some(OrientationModel::Quaternion(unit)), ..self }
     }
 
     pub(crate) fn moving(self, linear: [f64; 3], angular: [f64; 3]) -> Self {
