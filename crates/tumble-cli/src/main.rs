@@ -4,6 +4,8 @@
 //! Exit codes: 0 all well, 1 a failure while running, 2 bad input or usage, 130 interrupted (with
 //! what was recorded until then finished and readable).
 
+#[cfg(feature = "compare")]
+mod compare;
 mod drift;
 mod ending;
 mod failure;
@@ -36,6 +38,10 @@ use crate::run::OutputForm;
 
 const BAD_USAGE: u8 = 2;
 
+#[cfg(not(feature = "compare"))]
+const NO_RAPIER: &str = "this program was built without Rapier. From a clone of the repository, \
+                         `cargo run --release --features compare -- compare` has it";
+
 fn main() -> ExitCode {
     print::escape_panics();
     let options = match Options::try_parse_from(shorthand::with_command(std::env::args_os())) {
@@ -54,6 +60,10 @@ fn main() -> ExitCode {
         Some(Command::Sweep(options)) => sweep::command::sweep(&options),
         Some(Command::Merge(options)) => sweep::merge::merge(&options),
         Some(Command::Inspect(options)) => inspect::inspect(&options),
+        #[cfg(feature = "compare")]
+        Some(Command::Compare(options)) => compare::compare(&options),
+        #[cfg(not(feature = "compare"))]
+        Some(Command::Compare(_)) => Err(Failure::Input(NO_RAPIER.to_owned())),
         Some(Command::Scenes) => scenes::scenes(),
         Some(Command::Completions { shell }) => generated::completions(shell),
         Some(Command::Man { command }) => generated::man(command.as_deref()),

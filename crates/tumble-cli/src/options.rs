@@ -52,6 +52,9 @@ pub(crate) enum Command {
     /// them
     #[command(after_help = "Exit codes: 0 all well, 2 bad input or a body or joint with problems")]
     Inspect(InspectOptions),
+    /// Time scenes here and in Rapier, in one run on this machine (feature `compare`)
+    #[command(after_help = EXIT_CODES)]
+    Compare(CompareOptions),
     /// List the built-in scenes
     Scenes,
     /// Write a script by which a shell completes commands and options
@@ -116,6 +119,19 @@ pub(crate) struct ViewOptions {
     /// A scene and options of tumble-view; `tumble view --help` lists those
     #[arg(value_name = "ARGUMENTS", allow_hyphen_values = true, trailing_var_arg = true)]
     pub(crate) arguments: Vec<OsString>,
+}
+
+/// What to compare.
+#[derive(Debug, Args)]
+#[cfg_attr(not(feature = "compare"), allow(dead_code, reason = "read by the comparison, which this build has not"))]
+pub(crate) struct CompareOptions {
+    /// Scenes of balls, boxes, capsules and cylinders without joints, or `worlds`, which is many
+    /// small ones at once [default: stress pyramid spheres worlds]
+    #[arg(value_name = "SCENE", value_hint = ValueHint::FilePath)]
+    pub(crate) scenes: Vec<String>,
+    /// Threads of both [default: one for each core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MAX_THREADS))]
+    pub(crate) threads: Option<u64>,
 }
 
 /// How long to run, and how.

@@ -127,8 +127,13 @@ fn steps(options: &RunOptions, scene: &Scene) -> Result<u64, Failure> {
 }
 
 pub(crate) fn pool(options: &StepOptions) -> Result<ThreadPool, Failure> {
+    pool_of(options.threads)
+}
+
+/// A pool of as many threads, or of one for each core.
+pub(crate) fn pool_of(threads: Option<u64>) -> Result<ThreadPool, Failure> {
     // Zero lets rayon choose.
-    let threads = options.threads.and_then(|threads| usize::try_from(threads).ok()).unwrap_or(0);
+    let threads = threads.and_then(|threads| usize::try_from(threads).ok()).unwrap_or(0);
     ThreadPoolBuilder::new()
         .num_threads(threads)
         .build()

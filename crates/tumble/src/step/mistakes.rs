@@ -110,13 +110,14 @@ fn without_collider(world: &World) -> Option<Entity> {
 
 /// A dynamic body that is a surface, and another surface.
 fn surfaces(world: &World) -> Option<[Entity; 2]> {
+    let is_surface = |(_, collider): &(Entity, &Collider)| {
+        matches!(collider.geometry(), ColliderShape::Mesh(_) | ColliderShape::HeightField(_))
+    };
+    let mut moving = world.query::<(Entity, &Collider)>().with::<&Momentum>();
+    let (moving, _) = moving.iter().find(is_surface)?;
     let mut all = world.query::<(Entity, &Collider)>();
-    let surfaces = all
-        .iter()
-        .filter(|(_, collider)| matches!(collider.geometry(), ColliderShape::Mesh(_) | ColliderShape::HeightField(_)));
-    let surfaces: Vec<Entity> = surfaces.map(|(entity, _)| entity).collect();
-    let moving = surfaces.iter().find(|&&entity| world.satisfies::<&Momentum>(entity))?;
-    surfaces.iter().find(|other| *other != moving).map(|other| [*moving, *other])
+    let other = all.iter().filter(is_surface).find(|(other, _)| *other != moving);
+    other.map(|(other, _)| [moving, other])
 }
 
 fn moving_half_space(world: &World) -> Option<Entity> {

@@ -1,0 +1,180 @@
+//! `tumble compare`: the same scenes here and in Rapier, on this machine, in one run.
+
+mod rapier_world;
+
+use std::fmt::Write as _;
+use std::time::Instant;
+
+use hecs::World;
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use tumble::math::PRECISION;
+use tumble::{Batch, Momentum, Pose, Simulation, Trial, simd_name};
+use tumble_scene::Scene;
+
+use crate::compare::rapier_world::RapierWorld;
+use crate::failure::Failure;
+use crate::options::CompareOptions;
+use crate::{interrupt, print, run};
+
+/// Blocks of each engine, of which the median counts.
+const ROUNDS: usize = 9;
+/// What a block of the slower engine takes about \[s\].
+const BLOCK: f64 = 0.1;
+/// Steps of a block at most.
+const MAX_STEPS: u32 = 60;
+/// Free bodies, boxes at rest, falling balls, and many worlds of eight balls.
+const SCENES: [&str; 4] = ["stress", "pyramid", "spheres", WORLDS];
+const WORLDS: &str = "worlds";
+const WORLDS_OF: (&str, u64) = ("spheres", 8);
+const WORLD_COUNT: usize = 512;
+
+/// A row of the table.
+struct Row {
+    name: String,
+    bodies: usize,
+    /// Medians of a step \[s\], ours first.
+    seconds: [f64; 2],
+    /// Mean heights of the bodies that move, in the end \[m\].
+    heights: [f64; 2],
+}
+
+/// Steps scenes in both engines and prints what a step takes.
+pub(crate) fn compare(options: &CompareOptions) -> Result<(), Failure> {
+    interrupt::watch()?;
+    let scenes: Vec<&str> = match options.scenes.as_slice() {
+        [] => SCENES.to_vec(),
+        named => named.iter().map(String::as_str).collect(),
+    };
+    let pool = run::pool_of(options.threads)?;
+    let threads = pool.current_num_threads();
+    print::output(&format!(
+        "{}, {threads} {}\ntumble {} in {PRECISION} with {}; Rapier 0.36 in f32, parallel, eight lanes, no sleep\n\n\
+         {:<14} {:>7} {:>12} {:>12} {:>9} {:>22}\n{:<14} {:>7} {:>12} {:>12} {:>9} {:>22}\n",
+        machine(),
+        if threads == 1 { "thread" } else { "threads" },
+        env!("CARGO_PKG_VERSION"),
+        simd_name(),
+        "scene",
+        "bodies",
+        "tumble",
+        "Rapier",
+        "Rapier /",
+        "mean heights",
+        "",
+        "",
+        "[ms/step]",
+        "[ms/step]",
+        "tumble",
+        "in the end [m]",
+    ))?;
+    for name in scenes {
+        let row = if name == WORLDS { worlds(&pool) } else { one_world(name, &pool) }?;
+        print::output(&row.to_line())?;
+    }
+    print::output(&format!(
+        "\nMedians of {ROUNDS} blocks of steps, the two engines one after the other. What runs beside them counts for both.\n"
+    ))
+}
+
+impl Row {
+    fn to_line(&self) -> String {
+        let [ours, theirs] = self.seconds.map(|seconds| 1e3 * seconds);
+        let [low, high] = self.heights;
+        let mut line =
+            format!("{:<14} {:>7} {ours:>12.4} {theirs:>12.4} {:>9.1}", self.name, self.bodies, theirs / ours);
+        // Writing to a string cannot fail.
+        let _ = writeln!(line, " {:>22}", format!("{low:.2}, {high:.2}"));
+        line
+    }
+}
+
+/// One world of a scene.
+fn one_world(name: &str, pool: &ThreadPool) -> Result<Row, Failure> {
+    let (mut world, mut simulation, mut theirs) = both(name, None)?;
+    let bodies = world.query::<&Momentum>().iter().count();
+    let seconds = contest(
+        |steps| pool.install(|| simulation.step_many(&mut world, steps)),
+        |steps| pool.install(|| (0..steps).for_each(|_| theirs.step())),
+    )?;
+    let heights = [mean_height(&world), theirs.mean_height()];
+    Ok(Row { name: name.to_owned(), bodies, seconds, heights })
+}
+
+/// Many small worlds at once: a batch here, and Rapier's worlds each on one thread.
+fn worlds(pool: &ThreadPool) -> Result<Row, Failure> {
+    let (name, bodies) = WORLDS_OF;
+    let (mut trials, mut theirs) = (Vec::new(), Vec::new());
+    for _ in 0..WORLD_COUNT {
+        let (world, simulation, rapier) = both(name, Some(bodies))?;
+        let trial = Trial::new(*simulation.settings(), world).map_err(|error| Failure::Input(error.to_string()))?;
+        trials.push(trial);
+        theirs.push(rapier);
+    }
+    let mut batch: Batch = trials.into_iter().collect();
+    let seconds = contest(
+        |steps| pool.install(|| batch.step_many(steps)),
+        |steps| pool.install(|| theirs.par_iter_mut().for_each(|world| (0..steps).for_each(|_| world.step()))),
+    )?;
+    let of = |heights: Vec<f64>| heights.iter().sum::<f64>() / heights.len() as f64;
+    let heights = [
+        of(batch.trials().iter().map(|trial| mean_height(&trial.world)).collect()),
+        of(theirs.iter().map(RapierWorld::mean_height).collect()),
+    ];
+    Ok(Row { name: format!("{WORLD_COUNT} x {name}"), bodies: WORLD_COUNT * bodies as usize, seconds, heights })
+}
+
+/// A scene in both engines.
+fn both(name: &str, bodies: Option<u64>) -> Result<(World, Simulation, RapierWorld), Failure> {
+    let scene = Scene::open_with(name, bodies, None)?;
+    let simulation = Simulation::new(scene.settings).map_err(|error| Failure::Input(error.to_string()))?;
+    let (appearance, mut world) = (scene.appearance()?, World::new());
+    scene.spawn(&mut world)?;
+    let theirs = RapierWorld::of(&world, &appearance, simulation.settings());
+    let theirs = theirs.map_err(|error| Failure::Input(format!("{name}: {error}")))?;
+    Ok((world, simulation, theirs))
+}
+
+/// The medians of what a step takes over the same steps \[s\], ours first.
+fn contest(mut ours: impl FnMut(u32), mut theirs: impl FnMut(u32)) -> Result<[f64; 2], Failure> {
+    // Caches of both are warm after the first steps, which also tell how long a block is to be.
+    let first = [timed(4, &mut ours), timed(4, &mut theirs)];
+    let steps = (BLOCK / first[0].max(first[1]).max(1e-9)).clamp(1.0, f64::from(MAX_STEPS)) as u32;
+    let mut times = [Vec::new(), Vec::new()];
+    for _ in 0..ROUNDS {
+        if interrupt::asked() {
+            return Err(Failure::Interrupted);
+        }
+        times[0].push(timed(steps, &mut ours));
+        times[1].push(timed(steps, &mut theirs));
+    }
+    Ok(times.map(median))
+}
+
+/// What a step takes over a block \[s\].
+fn timed(steps: u32, step: &mut impl FnMut(u32)) -> f64 {
+    let begin = Instant::now();
+    step(steps);
+    begin.elapsed().as_secs_f64() / f64::from(steps)
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times.get(times.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
+fn mean_height(world: &World) -> f64 {
+    let mut bodies = world.query::<&Pose>().with::<&Momentum>();
+    let heights: Vec<f64> = bodies.iter().map(|pose| f64::from(pose.position.y)).collect();
+    heights.iter().sum::<f64>() / heights.len().max(1) as f64
+}
+
+/// What the machine says that it is.
+fn machine() -> String {
+    let listed = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let named = listed.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    let named = named.map(|(_, name)| name.trim().to_owned());
+    let windows = || std::env::var("PROCESSOR_IDENTIFIER").ok();
+    let other = || format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
+    named.or_else(windows).unwrap_or_else(other)
+}
