@@ -14,7 +14,7 @@ use tumble::{
 /// use tumble_record::Kept;
 ///
 /// let mut world = hecs::World::new();
-/// RigidBody::new(Shape::sphere(0.5)).without_collider().build()?.spawn(&mut world);
+/// RigidBody::new(Shape::sphere(0.5)).mass(1.0).without_collider().build()?.spawn(&mut world);
 /// let under_gravity = Kept::of(&world, &Settings::default());
 /// assert_eq!(under_gravity, Kept { energy: true, momentum: false });
 /// # Ok::<(), Box<dyn std::error::Error>>(())
