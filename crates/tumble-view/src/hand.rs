@@ -6,7 +6,7 @@ use tumble::math::Vec3;
 
 use crate::bodies::Placed;
 use crate::camera::View;
-use crate::convert::{dvec3, real};
+use crate::convert::real;
 use crate::lines::Line;
 use crate::playback::Playback;
 
@@ -107,6 +107,7 @@ mod tests {
 
     use super::*;
     use crate::camera::{Camera, Up};
+    use crate::convert::dvec3;
 
     const SIZE: DVec2 = DVec2::new(1280.0, 720.0);
 
