@@ -10,7 +10,7 @@ use crate::convert::real;
 use crate::playback::Playback;
 
 /// Of one more, the oldest is shot again.
-pub(crate) const MOST: usize = 30;
+pub(crate) const MAX_BALLS: usize = 30;
 /// A ball is this many times as dense as the bodies of the scene.
 const DENSER: f64 = 4.0;
 /// Density where the scene has none: that of water [kg/m^3].
@@ -51,7 +51,7 @@ impl Playback {
     /// Shoots a ball; why it cannot be, if it cannot.
     pub(crate) fn shoot(&mut self, shot: &Shot) -> Result<(), String> {
         let [position, velocity] = [shot.from, shot.velocity].map(|it| Vec3::from_array(it.to_array().map(real)));
-        if self.bodies.all.len() - self.balls.first < MOST {
+        if self.bodies.all.len() - self.balls.first < MAX_BALLS {
             let id = self.balls.next_id.ok_or("the scene has taken the last identity")?;
             let ball = RigidBody::new(Shape::sphere(shot.radius)).density(self.balls.density).id(BodyId(id));
             let ball = ball.position(position).linear_velocity(velocity).interpolated();
@@ -63,7 +63,7 @@ impl Playback {
             self.balls.next_id = id.checked_add(1);
         } else {
             let slot = self.balls.first + self.balls.oldest;
-            self.balls.oldest = (self.balls.oldest + 1) % MOST;
+            self.balls.oldest = (self.balls.oldest + 1) % MAX_BALLS;
             let Some(entity) = self.bodies.all.get(slot).map(|body| body.entity) else { return Ok(()) };
             self.shoot_again(entity, position, velocity).map_err(|error| error.to_string())?;
         }
@@ -133,12 +133,15 @@ mod tests {
     #[test]
     fn there_are_never_too_many_balls() {
         let mut playback = open("t-handle");
-        for count in 1..=MOST + 5 {
+        for count in 1..=MAX_BALLS + 5 {
             playback.shoot(&Shot { from: DVec3::X * (10.0 * count as f64), ..SHOT }).unwrap();
-            assert_eq!(playback.bodies.all.len(), 1 + count.min(MOST));
+            assert_eq!(playback.bodies.all.len(), 1 + count.min(MAX_BALLS));
         }
         let again = playback.bodies.all[1].entity;
-        assert_eq!(playback.world.get::<&Pose>(again).unwrap().position.x, 10.0 * (MOST + 1) as tumble::math::Real);
+        assert_eq!(
+            playback.world.get::<&Pose>(again).unwrap().position.x,
+            10.0 * (MAX_BALLS + 1) as tumble::math::Real
+        );
         assert_eq!(playback.world.get::<&Velocity>(again).unwrap().linear.z, -20.0);
     }
 
@@ -148,11 +151,11 @@ mod tests {
         playback.keep_past();
         playback.step();
         let before = hash(&playback);
-        for _ in 0..MOST + 3 {
+        for _ in 0..MAX_BALLS + 3 {
             playback.shoot(&SHOT).unwrap();
             playback.step();
         }
-        for _ in 0..MOST + 3 {
+        for _ in 0..MAX_BALLS + 3 {
             assert!(playback.step_back());
         }
         // The last was shot after the step that it is at now.

@@ -32,8 +32,8 @@ pub(crate) struct Hand {
 }
 
 impl Hand {
-    /// Takes hold of a dynamic body at a point of the world, at so many simulated seconds to a
-    /// second; there is nothing to hold of others.
+    /// Takes hold of a dynamic body at a point of the world; there is nothing to hold of others.
+    /// The speed is in simulated seconds to a second.
     pub(crate) fn grab(
         playback: &mut Playback,
         index: usize,

@@ -58,7 +58,7 @@ const BESIDE: f32 = 2.0 * MARGIN + LEGEND_WIDTH;
 /// A frame in the graph is so wide, and a millisecond so high, up to the most that are seen.
 const BAR: f32 = 2.0;
 const MILLISECOND: f32 = 2.4;
-const MOST_MILLISECONDS: f32 = 40.0;
+const MAX_MILLISECONDS: f32 = 40.0;
 const ALARM: [f32; 4] = [1.0, 0.62, 0.50, 1.0];
 /// Lines of a notice, and letters of each.
 const NOTICE_LINES: usize = 4;
@@ -211,7 +211,7 @@ impl Pen<'_> {
 
     /// The graph of the last frames, with the means of its parts beside.
     fn times(&self, times: &FrameTimes, left: f32, bottom: f32) {
-        let (graph, high) = (FRAMES as f32 * BAR, MOST_MILLISECONDS * MILLISECOND);
+        let (graph, high) = (FRAMES as f32 * BAR, MAX_MILLISECONDS * MILLISECOND);
         let figures = 19.0 * ADVANCE * SIZE;
         let height = Self::height(PARTS.len() + 1).max(high + 2.0 * PADDING);
         let top = bottom - height;
@@ -275,9 +275,9 @@ impl Pen<'_> {
 fn stacked(frame: &FrameTime) -> [[f32; 2]; PARTS.len()] {
     let mut sum = 0.0_f32;
     frame.map(|part| {
-        let from = sum.min(MOST_MILLISECONDS);
+        let from = sum.min(MAX_MILLISECONDS);
         sum += part;
-        [from, sum.min(MOST_MILLISECONDS)].map(|edge| edge * MILLISECOND)
+        [from, sum.min(MAX_MILLISECONDS)].map(|edge| edge * MILLISECOND)
     })
 }
 
@@ -342,7 +342,7 @@ mod tests {
     fn parts_of_a_frame_stand_on_each_other() {
         let parts = stacked(&[1.0, 0.0, 2.0, 100.0, 5.0, 1.0]);
         let at = |milliseconds: f32| milliseconds * MILLISECOND;
-        let top = at(MOST_MILLISECONDS);
+        let top = at(MAX_MILLISECONDS);
         assert_eq!(parts[..3], [[0.0, at(1.0)], [at(1.0), at(1.0)], [at(1.0), at(3.0)]]);
         assert_eq!(parts[3..], [[at(3.0), top], [top, top], [top, top]]);
     }

@@ -45,8 +45,8 @@ impl Viewport {
         self.hit_at(at, size).map(|(index, _)| index)
     }
 
-    /// Takes hold of the dynamic body that is seen at a point of the picture, at so many simulated
-    /// seconds to a second.
+    /// Takes hold of the dynamic body that is seen at a point of the picture. The speed is in
+    /// simulated seconds to a second.
     pub(crate) fn grab(&mut self, at: DVec2, size: DVec2, speed: f64) {
         self.release();
         let Some((index, point)) = self.hit_at(at, size) else { return };
@@ -83,7 +83,7 @@ impl Viewport {
     }
 
     /// Shoots a ball from the camera to what is at a point of the picture as far away as its
-    /// middle, at so many simulated seconds to a second; why not, if it cannot be.
+    /// middle; why not, if it cannot be. The speed is in simulated seconds to a second.
     pub(crate) fn shoot(&mut self, at: DVec2, size: DVec2, speed: f64) -> Result<(), String> {
         let view = self.view(size);
         let (ray, radius) = (view.ray(at), BALL * self.start.radius);

@@ -17,7 +17,7 @@ const TRAIL: f32 = 1.6;
 /// Width of a spring \[points\].
 const SPRING: f32 = 1.4;
 /// Surfaces of water that are drawn.
-const MOST_LEVELS: usize = 4;
+const MAX_LEVELS: usize = 4;
 /// Length of the free axes of a joint, as a part of the radius of the scene.
 const JOINT_AXES: f64 = 0.08;
 
@@ -61,7 +61,7 @@ impl Viewport {
         levels.retain(|level| level.is_finite());
         levels.sort_by(f64::total_cmp);
         levels.dedup();
-        levels.truncate(MOST_LEVELS);
+        levels.truncate(MAX_LEVELS);
         let middle = self.anchor + self.start.middle - self.center;
         let on_it = |level: f64| middle + up * (level - middle.dot(up));
         let radius = SEEN * self.start.radius;
