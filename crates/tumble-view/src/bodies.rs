@@ -20,6 +20,8 @@ use crate::pick::Bounds;
 
 /// Infinite ground is drawn this many radii of the frame wide, either way.
 const GROUND: f64 = 12.0;
+/// Colour of balls that are shot, in linear light.
+const BALL_COLOR: [f32; 3] = [0.62, 0.60, 0.52];
 
 /// What never changes of a body's picture.
 #[derive(Debug)]
@@ -75,12 +77,15 @@ pub(crate) struct Bodies {
     pub(crate) all: Vec<DrawnBody>,
     pub(crate) surfaces: SurfaceSet,
     pub(crate) surface_count: usize,
+    /// The surface of balls that may be shot, and its factors for a radius of a metre.
+    ball: (usize, DVec3),
 }
 
 impl Bodies {
     pub(crate) fn of(world: &World, order: &BodyOrder, names: &BodyNames, appearance: &[Appearance]) -> Self {
-        let mut bodies =
-            Self { all: Vec::with_capacity(order.len()), surfaces: SurfaceSet::default(), surface_count: 0 };
+        let mut surfaces = SurfaceSet::default();
+        let ball = surfaces.insert(&Appearance::Shape(Shape::sphere(1.0)));
+        let mut bodies = Self { all: Vec::with_capacity(order.len()), surfaces, surface_count: 0, ball };
         for (index, &entity) in order.entities().iter().enumerate() {
             let Ok(body) = world.entity(entity) else { continue };
             let id = body.get::<&BodyId>().map_or(index as u64, |id| id.0);
@@ -123,6 +128,35 @@ impl Bodies {
         bodies.measure();
         bodies.lay(world);
         bodies
+    }
+
+    /// A ball that was not there at the start.
+    pub(crate) fn add_ball(&mut self, entity: Entity, name: String, radius: f64, mass: f64) {
+        let (surface, factors) = self.ball;
+        let piece = Piece { surface, factors: factors * radius, rotation: DQuat::IDENTITY, position: DVec3::ZERO };
+        self.all.push(DrawnBody {
+            entity,
+            name,
+            pieces: vec![piece],
+            center: DVec3::ZERO,
+            middle: DVec3::ZERO,
+            half_extents: DVec3::splat(radius),
+            color: BALL_COLOR,
+            moves: true,
+            endless: false,
+            touches_unseen: false,
+            turns: true,
+            mass,
+            reach: radius,
+        });
+    }
+
+    /// Mean density of the dynamic bodies in the boxes around them, if they have one [kg/m^3].
+    pub(crate) fn density(&self) -> Option<f64> {
+        let dynamic = || self.all.iter().filter(|body| body.mass > 0.0);
+        let volume: f64 = dynamic().map(|body| 8.0 * body.half_extents.element_product()).sum();
+        let density = dynamic().map(|body| body.mass).sum::<f64>() / volume;
+        (density.is_finite() && density > 0.0).then_some(density)
     }
 
     /// A shape at a place in the body's frame.

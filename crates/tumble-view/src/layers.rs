@@ -20,7 +20,10 @@ pub(crate) enum Layer {
     Trails,
     BodyNames,
     Grid,
+    Water,
     Ledger,
+    Settings,
+    Times,
     Legend,
 }
 
@@ -51,7 +54,7 @@ const fn info(
 }
 
 /// All layers, in the order of the legend.
-pub(crate) const LAYERS: [LayerInfo; 14] = [
+pub(crate) const LAYERS: [LayerInfo; 17] = [
     info(Layer::Momentum, "momentum", "momentum", (KeyCode::M, 'M'), DebugView::MOMENTUM),
     info(
         Layer::AngularMomentum,
@@ -76,26 +79,26 @@ pub(crate) const LAYERS: [LayerInfo; 14] = [
     info(Layer::Trails, "trails", "trails", (KeyCode::T, 'T'), WHITE),
     info(Layer::BodyNames, "names", "names", (KeyCode::N, 'N'), WHITE),
     info(Layer::Grid, "grid", "grid", (KeyCode::G, 'G'), WHITE),
+    info(Layer::Water, "water", "water", (KeyCode::U, 'U'), [0.35, 0.65, 0.85]),
     info(Layer::Ledger, "ledger", "energy and momentum", (KeyCode::E, 'E'), WHITE),
+    info(Layer::Settings, "settings", "settings", (KeyCode::P, 'P'), WHITE),
+    info(Layer::Times, "times", "times of a frame", (KeyCode::D, 'D'), WHITE),
     info(Layer::Legend, "legend", "keys", (KeyCode::H, 'H'), WHITE),
 ];
 
 /// The layers that are shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Layers(u16);
+pub(crate) struct Layers(u32);
 
 impl Layers {
     pub(crate) fn of(layers: impl IntoIterator<Item = Layer>) -> Self {
-        layers.into_iter().fold(Self::default(), |mut all, layer| {
-            all.0 |= 1 << layer as u16;
-            all
-        })
+        layers.into_iter().fold(Self::default(), Self::with)
     }
 
     /// Of a scene by its number of moving bodies and of those that turn: arrows and names of a few
     /// explain, those of many hide.
     pub(crate) fn fitting(moving: usize, turning: usize) -> Self {
-        let mut all = vec![Layer::Springs, Layer::Trails, Layer::Grid, Layer::Ledger, Layer::Legend];
+        let mut all = vec![Layer::Springs, Layer::Trails, Layer::Grid, Layer::Water, Layer::Ledger, Layer::Legend];
         if (2..=10).contains(&moving) {
             all.push(Layer::BodyNames);
         }
@@ -106,11 +109,15 @@ impl Layers {
     }
 
     pub(crate) fn has(self, layer: Layer) -> bool {
-        self.0 & 1 << layer as u16 != 0
+        self.0 & 1 << layer as u32 != 0
+    }
+
+    pub(crate) fn with(self, layer: Layer) -> Self {
+        Self(self.0 | 1 << layer as u32)
     }
 
     pub(crate) fn toggle(&mut self, layer: Layer) {
-        self.0 ^= 1 << layer as u16;
+        self.0 ^= 1 << layer as u32;
     }
 }
 

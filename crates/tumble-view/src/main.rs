@@ -13,14 +13,17 @@
 
 mod animation;
 mod arrows;
+mod balls;
 mod bodies;
 mod camera;
 mod colliders;
 mod convert;
 mod failure;
 mod framing;
+mod gallery;
 mod glyphs;
 mod gpu;
+mod hand;
 mod layers;
 mod lines;
 mod open_window;
@@ -31,7 +34,9 @@ mod pick;
 mod picture;
 mod playback;
 mod readout;
+mod timing;
 mod trails;
+mod tuning;
 mod viewport;
 mod window;
 

@@ -12,7 +12,7 @@ use macroquad::window::Conf;
 use crate::animation::write_gif;
 use crate::failure::Failure;
 use crate::gpu::{Background, Gpu, Renderer};
-use crate::options::{Options, Size, Task};
+use crate::options::{Options, Task};
 use crate::overlay::Writer;
 use crate::picture::{Easel, Output, write_png};
 use crate::viewport::Viewport;
@@ -35,7 +35,7 @@ pub(crate) fn open(viewport: Viewport, task: Task<Output>, pace: f64, options: &
         platform: Platform { linux_backend: backend(), linux_wm_class: "tumble-view", ..Platform::default() },
         ..Conf::default()
     };
-    let paused = options.paused;
+    let options = options.clone();
     let done = Rc::new(RefCell::new(Ok(())));
     let in_window = Rc::clone(&done);
     let opened = Arc::new(AtomicBool::new(false));
@@ -43,25 +43,20 @@ pub(crate) fn open(viewport: Viewport, task: Task<Output>, pace: f64, options: &
     without_panic(&opened, move || {
         macroquad::Window::from_config(conf, async move {
             is_open.store(true, Ordering::Relaxed);
-            let result = perform(viewport, task, size, pace, paused).await;
+            let result = perform(viewport, task, pace, options).await;
             *in_window.borrow_mut() = result;
         });
     })?;
     done.replace(Ok(()))
 }
 
-async fn perform(
-    mut viewport: Viewport,
-    task: Task<Output>,
-    size: Size,
-    pace: f64,
-    paused: bool,
-) -> Result<(), Failure> {
+async fn perform(mut viewport: Viewport, task: Task<Output>, pace: f64, options: Options) -> Result<(), Failure> {
+    let size = options.view.size;
     let mut gpu = Gpu::of_the_window();
     let mut renderer = Renderer::new(&mut gpu, &viewport.playback.bodies)?;
     let writer = Writer::new().map_err(Failure::Running)?;
     match task {
-        Task::Window => window::show(viewport, (gpu, renderer, writer), pace, paused).await,
+        Task::Window => window::show(viewport, (gpu, renderer, writer), pace, options).await,
         Task::Screenshot { file, at } => {
             viewport.playback.go_to(at);
             let easel = Easel::new(size, Background::Gradient);

@@ -11,7 +11,8 @@ use tumble_scene::{MAX_BODIES, Scene, parse_seconds, steps_of_duration, time_ste
 
 use crate::camera::{Camera, DISTANCES, Up};
 use crate::failure::Failure;
-use crate::layers::Layers;
+use crate::layers::{LAYERS, Layers};
+use crate::overlay::KEYS;
 use crate::picture::Output;
 
 /// Edges of a picture \[points\]: graphics cards have textures of twice this.
@@ -21,19 +22,30 @@ const EDGES: std::ops::RangeInclusive<u32> = 64..=4096;
 const MAX_FRAMES: f64 = 2000.0;
 const MAX_BYTES: f64 = 1.5e9;
 
+/// Keys of the window, and exit codes.
+fn after_help() -> String {
+    let mut help = "Keys of the window:\n".to_owned();
+    let layers = LAYERS.iter().map(|info| (info.letter.to_string(), format!("show {}", info.title)));
+    let others = KEYS.iter().map(|(key, what)| ((*key).to_owned(), (*what).to_owned()));
+    for (key, what) in others.chain(layers) {
+        help.push_str(&format!("  {key:<12}{what}\n"));
+    }
+    help + "\nExit codes: 0 all well, 1 no window or a failure while running, 2 bad input or usage"
+}
+
 /// Shows a scene of rigid bodies in a window, or makes a picture or an animation of it.
-#[derive(Debug, Parser)]
+#[derive(Clone, Debug, Parser)]
 #[command(
     name = "tumble-view",
     version,
-    after_help = "Exit codes: 0 all well, 1 no window or a failure while running, 2 bad input or usage"
+    after_help = after_help()
 )]
 pub(crate) struct Options {
     /// A .json, .ron, .gltf, .glb or .urdf file, or the name of a built-in scene
     ///
     /// What has an extension or a slash is a file.
     #[arg(value_name = "SCENE", default_value = "stress")]
-    scene: String,
+    pub(crate) scene: String,
     /// Bodies of a generated scene [default: 10000 of stress, see docs/scenes.md for others]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u64).range(1..=MAX_BODIES as u64))]
     bodies: Option<u64>,
@@ -79,13 +91,14 @@ pub(crate) struct Options {
 }
 
 /// What is seen, and from where.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(crate) struct ViewOptions {
     /// Width and height of the window or picture
     #[arg(long, value_name = "WxH", default_value = "1280x720")]
     pub(crate) size: Size,
     /// What to show, with commas: momentum, angular-momentum, angular-velocity, axes, ellipsoids,
-    /// forces, springs, contacts, colliders, trails, names, grid, ledger, legend; or none
+    /// forces, springs, contacts, colliders, trails, names, grid, water, ledger, settings, times,
+    /// legend; or none
     #[arg(long, value_name = "LIST")]
     pub(crate) show: Option<Layers>,
     /// The body to show the figures of, by its name
@@ -277,6 +290,14 @@ mod tests {
     #[test]
     fn the_definition_is_consistent() {
         Options::command().debug_assert();
+    }
+
+    #[test]
+    fn the_help_names_the_keys() {
+        let help = Options::command().render_help().to_string();
+        for line in ["Shift drag  grab and throw", "O           shoot a ball", "U           show water"] {
+            assert!(help.contains(line), "{line}: {help}");
+        }
     }
 
     #[test]

@@ -12,6 +12,7 @@ use tumble::glam::DVec2;
 use crate::glyphs::{FONT, written};
 use crate::layers::{LAYERS, Layer, Layers};
 use crate::readout::Row;
+use crate::timing::{FRAMES, FrameTime, FrameTimes, PARTS};
 
 /// From one letter to the next, in sizes of the font.
 const ADVANCE: f32 = 0.6;
@@ -31,11 +32,16 @@ const DIM: [f32; 4] = [0.50, 0.54, 0.61, 1.0];
 const PANEL: [f32; 4] = [0.03, 0.04, 0.06, 0.62];
 
 /// Keys that are not those of layers.
-const KEYS: [(&str, &str); 9] = [
+pub(crate) const KEYS: [(&str, &str); 14] = [
     ("space", "pause"),
-    (". + -", "step, faster, slower"),
+    (". ,", "step, step back"),
+    ("+ -", "faster, slower"),
     ("R Q", "restart, quit"),
+    ("PgDn PgUp", "next scene, before"),
     ("click Tab", "pick a body"),
+    ("Shift drag", "grab and throw"),
+    ("O", "shoot a ball"),
+    ("arrows", "change settings"),
     ("C", "camera: follow, stay"),
     ("drag", "turn"),
     ("right drag", "shift"),
@@ -45,6 +51,18 @@ const KEYS: [(&str, &str); 9] = [
 
 /// Of the legend, with a blank one between the layers and the other keys.
 const ROWS: usize = LAYERS.len() + 1 + KEYS.len();
+/// Of the legend.
+const LEGEND_WIDTH: f32 = 2.0 * PADDING + 31.0 * ADVANCE * SIZE;
+/// Where what is not at an edge begins.
+const BESIDE: f32 = 2.0 * MARGIN + LEGEND_WIDTH;
+/// A frame in the graph is so wide, and a millisecond so high, up to the most that are seen.
+const BAR: f32 = 2.0;
+const MILLISECOND: f32 = 2.4;
+const MAX_MILLISECONDS: f32 = 40.0;
+const ALARM: [f32; 4] = [1.0, 0.62, 0.50, 1.0];
+/// Lines of a notice, and letters of each.
+const NOTICE_LINES: usize = 4;
+const NOTICE_LETTERS: usize = 60;
 /// Where the legend begins, below the title and the time.
 const LEGEND_TOP: f32 = MARGIN + 56.0;
 
@@ -58,8 +76,12 @@ pub(crate) struct Overlay {
     pub(crate) status: String,
     pub(crate) layers: Layers,
     pub(crate) ledger: Vec<Row>,
+    pub(crate) settings: Vec<Row>,
     pub(crate) body: Vec<Row>,
     pub(crate) labels: Vec<Label>,
+    /// What went wrong.
+    pub(crate) notice: Option<String>,
+    pub(crate) times: FrameTimes,
 }
 
 /// Writes with the window's font.
@@ -86,6 +108,7 @@ impl Writer {
         }
         let names = overlay.labels.iter().map(|label| &label.1).chain(overlay.body.iter().map(|row| &row.0));
         let names = names.chain(overlay.ledger.iter().map(|row| &row.0)).chain([&overlay.title]);
+        let names = names.chain(&overlay.notice);
         let mut letters: String = (' '..='~').chain("²³µ·×−…ω□".chars()).collect();
         names.for_each(|name| letters.push_str(&written(name)));
         let letters: Vec<char> = letters.chars().filter(|&letter| there.insert(letter)).collect();
@@ -115,6 +138,15 @@ impl Writer {
         }
         let [right, bottom] = [size.x, size.y].map(|edge| edge as f32 - MARGIN);
         pen.table(&overlay.ledger, right, MARGIN);
+        let below = if overlay.ledger.is_empty() { 0.0 } else { Pen::height(overlay.ledger.len()) + MARGIN };
+        pen.table(&overlay.settings, right, MARGIN + below);
+        if overlay.layers.has(Layer::Times) && overlay.times.frames().len() > 0 {
+            let left = if overlay.layers.has(Layer::Legend) { BESIDE } else { MARGIN };
+            pen.times(&overlay.times, left, bottom);
+        }
+        if let Some(notice) = &overlay.notice {
+            pen.notice(notice);
+        }
         pen.table(&overlay.body, right, bottom - Pen::height(overlay.body.len()));
     }
 }
@@ -145,11 +177,12 @@ impl Pen<'_> {
         draw_rectangle(x, y, width, height, Color::from(PANEL));
     }
 
-    /// The layers with their keys and colours, and the other keys if there is room below.
+    /// The layers with their keys and colours, and the other keys below, or beside where there is
+    /// no room.
     fn legend(&self, layers: Layers, top: f32, bottom: f32) {
         let has_room = top + Self::height(ROWS) + MARGIN <= bottom;
         let rows = if has_room { ROWS } else { LAYERS.len() };
-        self.panel(MARGIN, top, 2.0 * PADDING + 31.0 * ADVANCE * SIZE, Self::height(rows));
+        self.panel(MARGIN, top, LEGEND_WIDTH, Self::height(rows));
         let (x, mut y) = (MARGIN + PADDING, top + PADDING + 14.0);
         for info in &LAYERS {
             let on = layers.has(info.layer);
@@ -161,12 +194,57 @@ impl Pen<'_> {
             y += LINE;
         }
         if has_room {
+            self.keys(x, y + LINE);
+        } else {
+            self.panel(BESIDE, top, LEGEND_WIDTH, Self::height(KEYS.len()));
+            self.keys(BESIDE + PADDING, top + PADDING + 14.0);
+        }
+    }
+
+    fn keys(&self, x: f32, mut y: f32) {
+        for (key, what) in KEYS {
+            self.text(x, y, SIZE, PLAIN, key);
+            self.text(x + 11.0 * ADVANCE * SIZE, y, SIZE, DIM, what);
             y += LINE;
-            for (key, what) in KEYS {
-                self.text(x, y, SIZE, PLAIN, key);
-                self.text(x + 11.0 * ADVANCE * SIZE, y, SIZE, DIM, what);
-                y += LINE;
+        }
+    }
+
+    /// The graph of the last frames, with the means of its parts beside.
+    fn times(&self, times: &FrameTimes, left: f32, bottom: f32) {
+        let (graph, high) = (FRAMES as f32 * BAR, MAX_MILLISECONDS * MILLISECOND);
+        let figures = 19.0 * ADVANCE * SIZE;
+        let height = Self::height(PARTS.len() + 1).max(high + 2.0 * PADDING);
+        let top = bottom - height;
+        self.panel(left, top, graph + figures + 3.0 * PADDING, height);
+        let floor = bottom - PADDING;
+        for (index, frame) in times.frames().enumerate() {
+            let x = left + PADDING + index as f32 * BAR;
+            for ([from, to], (_, color)) in stacked(frame).into_iter().zip(PARTS) {
+                let [red, green, blue] = color;
+                draw_rectangle(x, floor - to, BAR, to - from, Color::from([red, green, blue, 0.9]));
             }
+        }
+        // A sixtieth of a second.
+        draw_rectangle(left + PADDING, floor - MILLISECOND * 1000.0 / 60.0, graph, 1.0, Color::from(BRIGHT));
+        let (x, mut y) = (left + graph + 2.0 * PADDING, top + PADDING + 14.0);
+        let mean = times.mean();
+        let all = [("frame", [0.93, 0.95, 0.97], mean.iter().sum::<f32>())];
+        for (name, [red, green, blue], value) in
+            all.into_iter().chain(PARTS.iter().zip(mean).map(|((name, color), value)| (*name, *color, value)))
+        {
+            self.text(x, y, SIZE, [red, green, blue, 1.0], &format!("{name:<9}{value:7.2} ms"));
+            y += LINE;
+        }
+    }
+
+    /// What went wrong, between the panels.
+    fn notice(&self, text: &str) {
+        let lines = in_lines(text);
+        let widest = lines.iter().map(|line| line.chars().count()).max().unwrap_or(0);
+        let width = 2.0 * PADDING + widest as f32 * ADVANCE * SIZE;
+        self.panel(BESIDE, MARGIN, width, Self::height(lines.len()));
+        for (index, line) in lines.iter().enumerate() {
+            self.text(BESIDE + PADDING, MARGIN + PADDING + 14.0 + LINE * index as f32, SIZE, ALARM, line);
         }
     }
 
@@ -190,6 +268,30 @@ impl Pen<'_> {
             y += LINE;
         }
     }
+}
+
+/// Where the parts of a frame begin and end above the floor of the graph; what is higher than it is
+/// cut off.
+fn stacked(frame: &FrameTime) -> [[f32; 2]; PARTS.len()] {
+    let mut sum = 0.0_f32;
+    frame.map(|part| {
+        let from = sum.min(MAX_MILLISECONDS);
+        sum += part;
+        [from, sum.min(MAX_MILLISECONDS)].map(|edge| edge * MILLISECOND)
+    })
+}
+
+/// A text in a few lines; what is longer ends with dots.
+fn in_lines(text: &str) -> Vec<String> {
+    let letters: Vec<char> = text.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
+    let mut lines: Vec<String> =
+        letters.chunks(NOTICE_LETTERS).take(NOTICE_LINES).map(|line| line.iter().collect()).collect();
+    if letters.len() > NOTICE_LINES * NOTICE_LETTERS
+        && let Some(last) = lines.last_mut()
+    {
+        last.push('…');
+    }
+    lines
 }
 
 /// Labels that do not cover one that comes before them.
@@ -229,11 +331,28 @@ mod tests {
         assert_eq!(kept, ["venus", "earth", "mars"]);
     }
 
-    /// As high as the pictures of `docs/window.md`.
+    /// As high as the window at the start, and as the pictures of `docs/window.md`.
     #[test]
-    fn a_small_picture_has_room_for_all_keys() {
-        let needed = LEGEND_TOP + Pen::height(ROWS) + MARGIN;
-        assert!(needed <= 540.0, "{needed}");
+    fn there_is_room_for_all_keys() {
+        assert!(LEGEND_TOP + Pen::height(ROWS) + MARGIN <= 720.0);
+        assert!(LEGEND_TOP + Pen::height(LAYERS.len().max(KEYS.len())) + MARGIN <= 540.0);
+    }
+
+    #[test]
+    fn parts_of_a_frame_stand_on_each_other() {
+        let parts = stacked(&[1.0, 0.0, 2.0, 100.0, 5.0, 1.0]);
+        let at = |milliseconds: f32| milliseconds * MILLISECOND;
+        let top = at(MAX_MILLISECONDS);
+        assert_eq!(parts[..3], [[0.0, at(1.0)], [at(1.0), at(1.0)], [at(1.0), at(3.0)]]);
+        assert_eq!(parts[3..], [[at(3.0), top], [top, top], [top, top]]);
+    }
+
+    #[test]
+    fn a_long_notice_is_cut_off() {
+        assert_eq!(in_lines("a\nb"), ["a b"]);
+        let lines = in_lines(&"é".repeat(1000));
+        assert_eq!((lines.len(), lines[0].chars().count()), (NOTICE_LINES, NOTICE_LETTERS));
+        assert!(lines[NOTICE_LINES - 1].ends_with('…'));
     }
 
     #[test]

@@ -50,17 +50,18 @@ impl Bounds {
 /// How far along a ray a body is met \[m\], if it is; `None` where only its box is known.
 pub(crate) type ExactHit = Option<Option<f64>>;
 
-/// The index of the body that a ray meets first; those whose box is missed are not met.
+/// The index of the body that a ray meets first, and how far along \[m\]; those whose box is missed
+/// are not met.
 pub(crate) fn first_hit(
     ray: &Ray,
     bounds: impl Iterator<Item = Bounds>,
     exact: impl Fn(usize) -> ExactHit,
-) -> Option<usize> {
+) -> Option<(usize, f64)> {
     let hits = bounds.enumerate().filter_map(|(index, bounds)| {
         let of_box = bounds.hit(ray)?;
         Some((exact(index).unwrap_or(Some(of_box))?, index))
     });
-    hits.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, index)| index)
+    hits.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(distance, index)| (index, distance))
 }
 
 #[cfg(test)]
@@ -103,17 +104,17 @@ mod tests {
         assert!(lost.iter().all(|bounds| bounds.hit(&along_x(0.0)).is_none()));
         // Nor is it in the way of one that is there.
         let all = lost.into_iter().chain([block(DVec3::ZERO)]);
-        assert_eq!(first_hit(&along_x(0.0), all, |_| None), Some(3));
+        assert_eq!(first_hit(&along_x(0.0), all, |_| None), Some((3, 9.0)));
     }
 
     #[test]
     fn the_first_of_several_is_picked() {
         let row = [5.0, -3.0, 1.0].map(|x| block(DVec3::X * x));
-        assert_eq!(first_hit(&along_x(0.0), row.into_iter(), |_| None), Some(1));
+        assert_eq!(first_hit(&along_x(0.0), row.into_iter(), |_| None), Some((1, 6.0)));
         assert_eq!(first_hit(&along_x(9.0), row.into_iter(), |_| None), None);
         // Where shapes are known they count: the ray passes the second, and the first is behind the
         // third.
         let exact = |index| [Some(Some(30.0)), Some(None), None][index];
-        assert_eq!(first_hit(&along_x(0.0), row.into_iter(), exact), Some(2));
+        assert_eq!(first_hit(&along_x(0.0), row.into_iter(), exact), Some((2, 10.0)));
     }
 }

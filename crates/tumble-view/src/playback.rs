@@ -4,10 +4,13 @@ use std::time::{Duration, Instant};
 
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
-use tumble::{BodyOrder, Collider, Pose, PreviousPose, QueryFilter, Simulation, Snapshot, Totals, Velocity};
+use tumble::{
+    BodyOrder, Collider, PhaseTimes, Pose, PreviousPose, QueryFilter, Rollback, Simulation, Snapshot, Totals, Velocity,
+};
 use tumble_record::{Kept, MomentumScale};
 use tumble_scene::Scene;
 
+use crate::balls::Balls;
 use crate::bodies::{Bodies, Placed};
 use crate::camera::Ray;
 use crate::convert::real;
@@ -20,6 +23,10 @@ const REAL_TIME: std::ops::RangeInclusive<f64> = 0.5..=120.0;
 const WATCHED: f64 = 30.0;
 /// A frame is this close to a step when it is at the step, in steps.
 const AT_STEP: f64 = 1e-6;
+/// The most steps to go back, and the bytes for them: some of a body with its contacts.
+const MAX_BACK: usize = 600;
+const BACK_BYTES: usize = 256 << 20;
+const BYTES_OF_A_BODY: usize = 1024;
 
 /// The world of a scene, its time, and how it began.
 pub(crate) struct Playback {
@@ -28,7 +35,7 @@ pub(crate) struct Playback {
     pub(crate) order: BodyOrder,
     pub(crate) bodies: Bodies,
     pub(crate) trails: Trails,
-    /// Energy and momentum at the start.
+    /// Energy and momentum at the start, or when someone interfered last.
     pub(crate) start: Totals,
     pub(crate) scale: MomentumScale,
     pub(crate) kept: Kept,
@@ -36,6 +43,15 @@ pub(crate) struct Playback {
     alpha: Real,
     steps: u64,
     beginning: Snapshot,
+    /// Simulated time that no step has covered yet \[s\].
+    owed: f64,
+    /// The steps that can be taken back, where any can.
+    past: Option<Rollback>,
+    /// What is measured of the steps, where it is.
+    pub(crate) times: Option<PhaseTimes>,
+    pub(crate) balls: Balls,
+    /// Whether the course is another than the scene's, for someone interfered.
+    interfered: bool,
 }
 
 impl Playback {
@@ -52,7 +68,25 @@ impl Playback {
         let kept = Kept::of(&world, simulation.settings());
         let beginning = simulation.snapshot(&world).map_err(|error| Failure::Input(error.to_string()))?;
         let trails = Trails::new(moving(&bodies), steps);
-        Ok(Self { world, simulation, order, bodies, trails, start, scale, kept, alpha: 1.0, steps, beginning })
+        let balls = Balls::new(&world, &bodies);
+        Ok(Self {
+            world,
+            simulation,
+            order,
+            bodies,
+            trails,
+            start,
+            scale,
+            kept,
+            alpha: 1.0,
+            steps,
+            beginning,
+            owed: 0.0,
+            past: None,
+            times: None,
+            balls,
+            interfered: false,
+        })
     }
 
     pub(crate) fn dt(&self) -> f64 {
@@ -90,45 +124,95 @@ impl Playback {
         self.bodies.place(&self.world, self.alpha)
     }
 
-    /// Goes back to the beginning.
+    /// Goes back to the beginning, with the settings as they are now.
     pub(crate) fn restart(&mut self) -> Result<(), Failure> {
         let restored = self.simulation.restore(&self.beginning, &mut self.world);
-        restored.map_err(|error| Failure::Running(error.to_string()))?;
+        let shot = restored.map_err(|error| Failure::Running(error.to_string()))?;
         tumble::update_derived(&mut self.world);
+        self.trails = Trails::new(moving(&self.bodies), self.steps);
+        if self.past.is_some() {
+            self.keep_past();
+        }
+        self.come_to_rest(&shot);
+        self.interfered = false;
+        Ok(())
+    }
+
+    /// From now on steps can be taken back: the last 600, or as many as fit into 256 MB.
+    pub(crate) fn keep_past(&mut self) {
+        let fitting = BACK_BYTES / (BYTES_OF_A_BODY * self.bodies.all.len().max(1));
+        self.past = Some(Rollback::new(fitting.clamp(1, MAX_BACK)));
+    }
+
+    /// Takes the last step back; whether it was kept.
+    pub(crate) fn step_back(&mut self) -> bool {
+        let (Some(past), Some(step)) = (&mut self.past, self.simulation.steps().checked_sub(1)) else { return false };
+        let Ok(shot) = past.rewind_to_step(step, &mut self.world, &mut self.simulation) else { return false };
+        self.trails.take_back(step);
+        self.come_to_rest(&shot);
+        true
+    }
+
+    /// Shows the state that was put back, without the balls that were shot since.
+    fn come_to_rest(&mut self, shot: &[Entity]) {
         for (pose, previous) in self.world.query_mut::<(&Pose, &mut PreviousPose)>() {
             previous.0 = *pose;
         }
-        self.trails = Trails::new(moving(&self.bodies), self.steps);
-        self.alpha = 1.0;
-        Ok(())
+        self.remove_balls(shot);
+        if self.interfered {
+            self.begin_books();
+        }
+        (self.alpha, self.owed) = (1.0, 0.0);
+    }
+
+    /// Reckons drift from here on: someone has interfered.
+    pub(crate) fn begin_books(&mut self) {
+        self.interfered = true;
+        self.order = BodyOrder::of(&self.world);
+        self.start = self.totals();
+        self.scale = MomentumScale::of(&self.world, &self.order);
+        self.kept = Kept::of(&self.world, self.simulation.settings());
     }
 
     /// Takes one step and shows what came of it.
     pub(crate) fn step(&mut self) {
-        self.step_many(1);
+        self.take_step();
         self.alpha = 1.0;
+    }
+
+    fn take_step(&mut self) {
+        self.trails.before_step(self.simulation.steps(), &self.world);
+        // Every body has an identity; if one could not be saved, there would be no way back.
+        if self.past.as_mut().is_some_and(|past| past.save(&self.world, &self.simulation).is_err()) {
+            self.past = None;
+        }
+        match &self.times {
+            Some(times) => self.simulation.step_timed(&mut self.world, times),
+            None => self.simulation.step(&mut self.world),
+        }
     }
 
     /// Takes the steps that fall into a frame of a simulated length, within a time limit; whether
     /// there was time for them all.
     pub(crate) fn advance(&mut self, seconds: f64, budget: Duration) -> bool {
-        let started = Instant::now();
-        // A step at a time, for each may take longer than all that are to fit into the frame.
-        let piece = self.dt();
-        let mut left = seconds.max(0.0);
-        loop {
-            let trails = &mut self.trails;
-            self.alpha = self.simulation.advance_with(&mut self.world, left.min(piece), |world, simulation| {
-                trails.before_step(simulation.steps(), world);
-            });
-            left -= piece;
-            if left <= 0.0 {
-                return true;
-            }
-            if started.elapsed() > budget {
-                return false;
-            }
+        let (started, dt) = (Instant::now(), self.dt());
+        if seconds > 0.0 && seconds.is_finite() {
+            self.owed += seconds;
         }
+        let (mut taken, mut in_time) = (0, true);
+        while self.owed >= dt {
+            if taken > 0 && started.elapsed() > budget {
+                self.owed %= dt;
+                in_time = false;
+                break;
+            }
+            self.take_step();
+            self.owed -= dt;
+            taken += 1;
+        }
+        // A quotient just below one may round up to it.
+        self.alpha = real(self.owed / dt).min(1.0 - Real::EPSILON);
+        in_time
     }
 
     /// Takes steps until this time, which may be between two of them \[s\]. Time does not go back.
@@ -254,6 +338,46 @@ mod tests {
             }
             assert_eq!(hash(&playback), after, "{scene}");
         }
+    }
+
+    #[test]
+    fn a_step_is_taken_back_to_the_bit() {
+        let mut playback = open("raft");
+        assert!(!playback.step_back(), "nothing is kept yet");
+        playback.keep_past();
+        let hashes: Vec<u64> = (0..20)
+            .map(|_| {
+                playback.step();
+                hash(&playback)
+            })
+            .collect();
+        for before in hashes.iter().rev().skip(1) {
+            assert!(playback.step_back());
+            assert_eq!(hash(&playback), *before);
+        }
+        assert!(playback.step_back() && !playback.step_back(), "before the first step there is none");
+        playback.step();
+        assert_eq!(hash(&playback), hashes[0]);
+    }
+
+    #[test]
+    fn the_past_is_bounded() {
+        let mut playback = open("satellite");
+        playback.keep_past();
+        (0..MAX_BACK + 10).for_each(|_| playback.step());
+        assert_eq!((0..2 * MAX_BACK).take_while(|_| playback.step_back()).count(), MAX_BACK);
+        assert_eq!(playback.simulation.steps(), 10);
+    }
+
+    #[test]
+    fn steps_that_are_measured_have_the_same_bits() {
+        let run = |times: Option<PhaseTimes>| {
+            let mut playback = open("raft");
+            playback.times = times;
+            assert!(playback.advance(0.205, Duration::MAX));
+            hash(&playback)
+        };
+        assert_eq!(run(None), run(Some(PhaseTimes::default())));
     }
 
     /// A frame that is too long is left off, so that the next is not longer still.

@@ -51,6 +51,15 @@ impl Trails {
         }
     }
 
+    /// Forgets what was seen before the step of this number, which is taken back.
+    pub(crate) fn take_back(&mut self, step: u64) {
+        if step.is_multiple_of(self.every) {
+            for places in &mut self.places {
+                places.pop_back();
+            }
+        }
+    }
+
     /// Steps until the next look, at least one.
     pub(crate) fn steps_to_next(&self, step: u64) -> u64 {
         if self.entities.is_empty() { u64::MAX } else { self.every - step % self.every }
@@ -82,6 +91,8 @@ mod tests {
         assert_eq!((of, places.len()), (entity, 400));
         assert_eq!((places[0].x, places[399].x), (1800.0, 2997.0));
         assert_eq!((trails.steps_to_next(5), trails.steps_to_next(6)), (1, 3));
+        (2996..3000).rev().for_each(|step| trails.take_back(step));
+        assert_eq!(trails.places[0].back().map(|place| place.x), Some(2994.0));
     }
 
     #[test]

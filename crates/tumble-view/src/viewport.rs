@@ -1,5 +1,6 @@
 //! What is seen: a scene that is being run, from a camera, with layers on or off.
 
+mod acts;
 mod scenery;
 
 use std::time::{Duration, Instant};
@@ -16,13 +17,15 @@ use crate::convert::{dvec3, single3};
 use crate::failure::Failure;
 use crate::framing::{self, Frame};
 use crate::gpu::{Background, BodyInstance, Gpu, Picture, Renderer};
+use crate::hand::Hand;
 use crate::layers::{Layer, Layers};
 use crate::lines::{Line, Marks};
 use crate::options::ViewOptions;
 use crate::overlay::{Label, Overlay};
-use crate::pick::first_hit;
 use crate::playback::Playback;
 use crate::readout::{self, Row};
+use crate::timing::FrameTimes;
+use crate::tuning::Tuning;
 
 /// A camera that stays lets the bodies go so far from the middle, in radii of the frame, before it
 /// moves with them.
@@ -53,6 +56,11 @@ pub(crate) struct Viewport {
     pub(crate) camera: Camera,
     pub(crate) follow: Follow,
     pub(crate) picked: Option<usize>,
+    hand: Option<Hand>,
+    pub(crate) tuning: Tuning,
+    /// What went wrong and is to be read in the window.
+    pub(crate) notice: Option<String>,
+    pub(crate) times: FrameTimes,
     title: String,
     /// What was in the frame at the start, and with the longest arrows.
     start: Frame,
@@ -104,6 +112,10 @@ impl Viewport {
             layers,
             follow: Follow::All,
             picked: None,
+            hand: None,
+            tuning: Tuning::of(&playback),
+            notice: None,
+            times: FrameTimes::default(),
             title,
             center,
             center_now: center,
@@ -180,30 +192,6 @@ impl Viewport {
         self.camera.distance = (self.camera.distance * factor).clamp(nearest, farthest);
     }
 
-    /// The body that is seen at a point of the picture.
-    pub(crate) fn body_at(&self, at: DVec2, size: DVec2) -> Option<usize> {
-        let (view, places) = (self.view(size), self.playback.place());
-        let (bodies, ray) = (&self.playback.bodies.all, view.ray(at));
-        let enlargement =
-            |index: usize| framing::enlargement(&view, places[index].center, bodies[index].reach, bodies.len());
-        let bounds = (0..bodies.len()).map(|index| bodies[index].bounds(&places[index], enlargement(index)));
-        first_hit(&ray, bounds, |index| {
-            // What is seen larger than it is, or is not what others touch, is picked by its box.
-            let is_as_seen = enlargement(index) == 1.0 && !bodies[index].touches_unseen;
-            if is_as_seen { self.playback.hit(index, &places[index], &ray) } else { None }
-        })
-    }
-
-    pub(crate) fn restart(&mut self) -> Result<(), Failure> {
-        self.playback.restart()?;
-        self.books = None;
-        self.largest = Largest::default();
-        if self.follow == Follow::All {
-            self.anchor = self.center;
-        }
-        Ok(())
-    }
-
     /// Draws the moment that is shown.
     pub(crate) fn draw(&mut self, gpu: &mut Gpu, renderer: &mut Renderer, canvas: &Canvas, status: String) -> Overlay {
         let places = self.playback.place();
@@ -211,10 +199,13 @@ impl Viewport {
         let view = self.view(canvas.size);
         let bodies = self.instances(&view, &places);
         let mut marks = self.marks();
+        marks.lines.extend(self.hand.and_then(|hand| hand.line(&places)));
+        marks.lines.extend(self.frame_of_picked(&view, &places));
         let mut scenery = self.scenery(&places);
         let mut contact_lines = self.contact_lines();
         let lines = if contact_lines.len() <= MAX_THROUGH { &mut marks.lines } else { &mut scenery };
         lines.append(&mut contact_lines);
+        let water = self.water();
         let picture = Picture {
             view: &view,
             up: single3(self.camera.up.axis()),
@@ -222,6 +213,7 @@ impl Viewport {
             bodies: &bodies,
             scenery: &scenery,
             marks: &marks.lines,
+            water: &water,
         };
         renderer.draw(gpu, canvas.pass, &picture);
         self.overlay(&view, &places, &marks, status)
@@ -232,6 +224,8 @@ impl Viewport {
         self.center_now = center_of_mass(&self.playback, places).unwrap_or(self.center_now);
         match self.follow {
             Follow::Nothing => {}
+            // A camera that went with what is in the hand would take the hand along.
+            _ if self.hand.is_some() => return,
             Follow::All => {
                 let off = self.center_now - self.anchor;
                 let leeway = LEEWAY * self.start.radius;
@@ -349,8 +343,15 @@ impl Viewport {
             status,
             layers: self.layers,
             ledger: totals.map_or_else(Vec::new, |now| self.ledger(&now)),
+            settings: if self.layers.has(Layer::Settings) {
+                self.tuning.rows(self.playback.simulation.settings())
+            } else {
+                Vec::new()
+            },
             body: body.map_or_else(Vec::new, |body| readout::body(&self.playback, body)),
             labels,
+            notice: self.notice.clone(),
+            times: if self.layers.has(Layer::Times) { self.times.clone() } else { FrameTimes::default() },
         }
     }
 

@@ -1,6 +1,6 @@
 //! The window: what keys and mouse do.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use macroquad::input::{
     KeyCode, MouseButton, is_key_down, is_key_pressed, is_mouse_button_down, is_mouse_button_pressed,
@@ -8,14 +8,18 @@ use macroquad::input::{
 };
 use macroquad::time::get_frame_time;
 use macroquad::window::{next_frame, screen_height, screen_width};
+use tumble::PhaseTimes;
 use tumble::glam::DVec2;
 
 use crate::failure::Failure;
 use crate::framing::{PITCH, YAW};
+use crate::gallery::Gallery;
 use crate::gpu::{Background, Gpu, Renderer};
-use crate::layers::LAYERS;
+use crate::layers::{LAYERS, Layer};
+use crate::options::Options;
 use crate::overlay::Writer;
 use crate::readout;
+use crate::tuning::Change;
 use crate::viewport::{Canvas, Follow, Viewport};
 
 /// A frame may take so long to simulate; what it then lacks is not made up for.
@@ -33,6 +37,9 @@ const NOTCH: f64 = 0.12;
 /// A press that moves farther is a drag \[points\].
 const CLICK: f64 = 4.0;
 
+/// How long a notice stays that is not about the scene's file.
+const NOTICE: Duration = Duration::from_secs(4);
+
 /// What the user has done so far.
 #[derive(Debug)]
 struct Controls {
@@ -44,6 +51,8 @@ struct Controls {
     keeps_up: bool,
     mouse: DVec2,
     pressed_at: Option<DVec2>,
+    /// When the notice goes, if it does.
+    notice_until: Option<Instant>,
 }
 
 /// Shows the stage until the window is closed.
@@ -51,30 +60,110 @@ pub(crate) async fn show(
     mut viewport: Viewport,
     (mut gpu, mut renderer, writer): (Gpu, Renderer, Writer),
     pace: f64,
-    paused: bool,
+    options: Options,
 ) -> Result<(), Failure> {
-    let mut controls = Controls { paused, speed: 0, pace, keeps_up: true, mouse: DVec2::ZERO, pressed_at: None };
-    viewport.books_every = BOOKS;
+    let mut controls = Controls::new(options.paused, pace);
+    let mut gallery = Gallery::of(options);
+    prepare(&mut viewport);
+    let mut last: Option<(PhaseTimes, Duration)> = None;
     loop {
         let size = DVec2::new(f64::from(screen_width()), f64::from(screen_height())).max(DVec2::ONE);
+        let frame = f64::from(get_frame_time());
+        if let Some((steps, drawing)) = last.take() {
+            viewport.times.push(Duration::try_from_secs_f64(frame).unwrap_or_default(), &steps, drawing);
+        }
         if is_key_pressed(KeyCode::Q) {
             return Ok(());
         }
+        if let Some(other) = controls.other_scene(&mut gallery, &mut viewport) {
+            viewport = other;
+            prepare(&mut viewport);
+            renderer.replace_bodies(&mut gpu, &viewport.playback.bodies);
+        }
+        viewport.playback.times = viewport.layers.has(Layer::Times).then(PhaseTimes::default);
         controls.keys(&mut viewport, size)?;
+        controls.settings(&mut viewport);
         controls.mouse(&mut viewport, size);
         if !controls.paused {
-            let seconds = f64::from(get_frame_time()).min(LONGEST_FRAME) * controls.factor();
+            let seconds = frame.min(LONGEST_FRAME) * controls.factor();
             controls.keeps_up = viewport.playback.advance(seconds, BUDGET);
         }
+        let drawing = Instant::now();
         let canvas = Canvas { pass: None, size, background: Background::Gradient };
         let status = controls.status(&viewport);
         let overlay = viewport.draw(&mut gpu, &mut renderer, &canvas, status);
         writer.draw(&overlay, size, 1.0);
+        last = viewport.playback.times.take().map(|steps| (steps, drawing.elapsed()));
         next_frame().await;
     }
 }
 
+/// In a window, time goes back too, and figures are to be read.
+fn prepare(viewport: &mut Viewport) {
+    viewport.books_every = BOOKS;
+    viewport.playback.keep_past();
+}
+
 impl Controls {
+    fn new(paused: bool, pace: f64) -> Self {
+        Self { paused, speed: 0, pace, keeps_up: true, mouse: DVec2::ZERO, pressed_at: None, notice_until: None }
+    }
+
+    /// Another scene, where one was asked for or its file has changed. One that cannot be opened is
+    /// reported, and the scene that is shown goes on.
+    fn other_scene(&mut self, gallery: &mut Gallery, viewport: &mut Viewport) -> Option<Viewport> {
+        let opened = match pressed([(KeyCode::PageUp, Change::Less), (KeyCode::PageDown, Change::More)]) {
+            Some(change) => gallery.turn(change),
+            None if gallery.has_changed(Instant::now()) => gallery.open().map(|(mut new, pace)| {
+                new.keep_view_of(viewport);
+                (new, pace)
+            }),
+            None => return None,
+        };
+        match opened {
+            Ok((new, pace)) => {
+                self.pace = pace;
+                Some(new)
+            }
+            Err(failure) => {
+                viewport.notice = Some(failure.to_string());
+                self.notice_until = None;
+                None
+            }
+        }
+    }
+
+    /// Shows what went wrong for a while.
+    fn notice(&mut self, viewport: &mut Viewport, text: String) {
+        viewport.notice = Some(text);
+        self.notice_until = Some(Instant::now() + NOTICE);
+    }
+
+    fn settings(&mut self, viewport: &mut Viewport) {
+        if self.notice_until.is_some_and(|until| until <= Instant::now()) {
+            viewport.notice = None;
+            self.notice_until = None;
+        }
+        let chosen = pressed([(KeyCode::Up, Change::Less), (KeyCode::Down, Change::More)]);
+        let turned = pressed([(KeyCode::Left, Change::Less), (KeyCode::Right, Change::More)]);
+        if chosen.is_none() && turned.is_none() {
+            return;
+        }
+        // Who cannot see them does not change them yet.
+        if !viewport.layers.has(Layer::Settings) {
+            viewport.layers.toggle(Layer::Settings);
+            return;
+        }
+        if let Some(change) = chosen {
+            viewport.tuning.choose(change);
+        }
+        if let Some(change) = turned
+            && let Err(error) = viewport.tune(change)
+        {
+            self.notice(viewport, error);
+        }
+    }
+
     /// Simulated seconds to a second.
     fn factor(&self) -> f64 {
         self.pace * 2.0_f64.powi(self.speed)
@@ -103,12 +192,34 @@ impl Controls {
             self.paused = true;
             viewport.playback.step();
         }
+        if is_key_pressed(KeyCode::Comma) {
+            self.paused = true;
+            if !viewport.step_back() {
+                self.notice(viewport, "No step before this one is kept.".to_owned());
+            }
+        }
+        if is_key_pressed(KeyCode::O)
+            && let Err(error) = viewport.shoot(self.mouse, size, self.factor())
+        {
+            self.notice(viewport, format!("No ball can be shot: {error}"));
+        }
+        self.move_in_time(viewport)?;
+        Self::pick_keys(viewport);
+        view_keys(viewport, size);
+        Ok(())
+    }
+
+    fn move_in_time(&mut self, viewport: &mut Viewport) -> Result<(), Failure> {
         let faster = is_key_pressed(KeyCode::Equal) || is_key_pressed(KeyCode::KpAdd);
         let slower = is_key_pressed(KeyCode::Minus) || is_key_pressed(KeyCode::KpSubtract);
         self.speed = (self.speed + i32::from(faster) - i32::from(slower)).clamp(SLOWEST, FASTEST);
         if is_key_pressed(KeyCode::R) {
             viewport.restart()?;
         }
+        Ok(())
+    }
+
+    fn pick_keys(viewport: &mut Viewport) {
         if is_key_pressed(KeyCode::Tab) {
             let bodies = viewport.playback.bodies.all.len();
             let back = is_key_down(KeyCode::LeftShift) || is_key_down(KeyCode::RightShift);
@@ -125,19 +236,6 @@ impl Controls {
             };
             viewport.set_follow(follow);
         }
-        let quarter = std::f64::consts::FRAC_PI_2;
-        let views = [
-            (KeyCode::Key0, (YAW, PITCH)),
-            (KeyCode::Key1, (0.0, 0.0)),
-            (KeyCode::Key2, (quarter, 0.0)),
-            (KeyCode::Key3, (0.0, quarter)),
-        ];
-        for (key, (yaw, pitch)) in views {
-            if is_key_pressed(key) {
-                viewport.look_from(yaw, pitch, size);
-            }
-        }
-        Ok(())
     }
 
     fn mouse(&mut self, viewport: &mut Viewport, size: DVec2) {
@@ -146,8 +244,16 @@ impl Controls {
         let by = now - std::mem::replace(&mut self.mouse, now);
         if is_mouse_button_pressed(MouseButton::Left) {
             self.pressed_at = Some(now);
-        } else if is_mouse_button_down(MouseButton::Left) {
+            if is_key_down(KeyCode::LeftShift) || is_key_down(KeyCode::RightShift) {
+                viewport.grab(now, size, self.factor());
+            }
+        } else if is_mouse_button_down(MouseButton::Left) && !viewport.holds() {
             viewport.camera.turn(-TURN * by.x, TURN * by.y);
+        }
+        if is_mouse_button_down(MouseButton::Left) {
+            viewport.pull(now, size);
+        } else {
+            viewport.release();
         }
         // A quick click is pressed and released within one frame.
         if is_mouse_button_released(MouseButton::Left)
@@ -164,6 +270,27 @@ impl Controls {
             viewport.zoom((-NOTCH * notches).exp(), size);
         }
     }
+}
+
+/// Views from fixed sides.
+fn view_keys(viewport: &mut Viewport, size: DVec2) {
+    let quarter = std::f64::consts::FRAC_PI_2;
+    let views = [
+        (KeyCode::Key0, (YAW, PITCH)),
+        (KeyCode::Key1, (0.0, 0.0)),
+        (KeyCode::Key2, (quarter, 0.0)),
+        (KeyCode::Key3, (0.0, quarter)),
+    ];
+    for (key, (yaw, pitch)) in views {
+        if is_key_pressed(key) {
+            viewport.look_from(yaw, pitch, size);
+        }
+    }
+}
+
+/// What is meant by the key that is pressed.
+fn pressed<const N: usize>(keys: [(KeyCode, Change); N]) -> Option<Change> {
+    keys.into_iter().find(|(key, _)| is_key_pressed(*key)).map(|(_, change)| change)
 }
 
 /// Time and speed in words.

@@ -94,6 +94,16 @@ impl BodyPass {
         Ok(Self { pipeline, meshes })
     }
 
+    /// Goes on with other surfaces, and gives up the memory of those before.
+    pub(super) fn replace(&mut self, context: &mut dyn RenderingBackend, surfaces: &SurfaceSet) {
+        for mesh in self.meshes.drain(..) {
+            context.delete_buffer(mesh.vertices);
+            context.delete_buffer(mesh.indices);
+            mesh.instances.delete(context);
+        }
+        self.meshes = surfaces.tessellations().map(|surface| Mesh::new(context, &surface)).collect();
+    }
+
     pub(super) fn draw(&mut self, context: &mut dyn RenderingBackend, picture: &Picture<'_>) {
         let view = picture.view;
         // The sun stands behind the viewer's left shoulder.

@@ -27,4 +27,10 @@ impl Instances {
         context.buffer_update(buffer, BufferSource::slice(instances));
         buffer
     }
+
+    pub(super) fn delete(self, context: &mut dyn RenderingBackend) {
+        if let Some((buffer, _)) = self.buffer {
+            context.delete_buffer(buffer);
+        }
+    }
 }

@@ -5,6 +5,7 @@ mod body_pass;
 mod context;
 mod instances;
 mod line_pass;
+mod water_pass;
 
 use macroquad::miniquad::{PassAction, RenderPass, RenderingBackend};
 
@@ -14,6 +15,7 @@ use crate::lines::Line;
 
 pub(crate) use body_pass::BodyInstance;
 pub(crate) use context::Gpu;
+pub(crate) use water_pass::Water;
 
 /// What is in a picture, but for text.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +30,7 @@ pub(crate) struct Picture<'a> {
     pub(crate) scenery: &'a [Line],
     /// Seen through surfaces too, but fainter.
     pub(crate) marks: &'a [Line],
+    pub(crate) water: &'a [Water],
 }
 
 /// What is behind everything.
@@ -44,6 +47,7 @@ pub(crate) struct Renderer {
     backdrop: backdrop::Backdrop,
     bodies: body_pass::BodyPass,
     lines: line_pass::LinePass,
+    water: water_pass::WaterPass,
 }
 
 /// Why nothing can be drawn.
@@ -67,8 +71,14 @@ impl Renderer {
                 backdrop: backdrop::Backdrop::new(context)?,
                 bodies: body_pass::BodyPass::new(context, &bodies.surfaces)?,
                 lines: line_pass::LinePass::new(context)?,
+                water: water_pass::WaterPass::new(context)?,
             })
         })
+    }
+
+    /// Goes on with the bodies of another scene.
+    pub(crate) fn replace_bodies(&mut self, gpu: &mut Gpu, bodies: &Bodies) {
+        gpu.with(|context| self.bodies.replace(context, &bodies.surfaces));
     }
 
     /// Draws into a render pass, or into the window.
@@ -81,6 +91,7 @@ impl Renderer {
             self.backdrop.draw(context, picture.background);
             self.bodies.draw(context, picture);
             self.lines.draw(context, picture);
+            self.water.draw(context, picture);
             context.end_render_pass();
         });
     }

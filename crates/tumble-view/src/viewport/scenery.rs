@@ -2,19 +2,22 @@
 
 use tumble::glam::DVec3;
 use tumble::math::Real;
-use tumble::{DebugView, Joint, Spring, SpringToPoint};
+use tumble::{Buoyancy, DebugView, Joint, Spring, SpringToPoint};
 
 use crate::bodies::Placed;
+use crate::convert::dvec3;
 use crate::framing::{Frame, Grid};
+use crate::gpu::Water;
 use crate::layers::Layer;
 use crate::lines::{Line, Marks, encoded};
-use crate::viewport::Follow;
-use crate::viewport::Viewport;
+use crate::viewport::{Follow, SEEN, Viewport};
 
 /// Width of a trail \[points\].
 const TRAIL: f32 = 1.6;
 /// Width of a spring \[points\].
 const SPRING: f32 = 1.4;
+/// Surfaces of water that are drawn.
+const MAX_LEVELS: usize = 4;
 /// Length of the free axes of a joint, as a part of the radius of the scene.
 const JOINT_AXES: f64 = 0.08;
 
@@ -49,6 +52,22 @@ impl Viewport {
         endless.map(|(_, placed)| (placed.origin, placed.rotation * DVec3::Y))
     }
 
+    /// A surface for each level at which something floats.
+    pub(super) fn water(&self) -> Vec<Water> {
+        let gravity = dvec3(self.playback.simulation.settings().gravity);
+        let Some(up) = (-gravity).try_normalize().filter(|_| self.layers.has(Layer::Water)) else { return Vec::new() };
+        let mut levels: Vec<f64> =
+            self.playback.world.query::<&Buoyancy>().iter().map(|afloat| f64::from(afloat.level)).collect();
+        levels.retain(|level| level.is_finite());
+        levels.sort_by(f64::total_cmp);
+        levels.dedup();
+        levels.truncate(MAX_LEVELS);
+        let middle = self.anchor + self.start.middle - self.center;
+        let on_it = |level: f64| middle + up * (level - middle.dot(up));
+        let radius = SEEN * self.start.radius;
+        levels.into_iter().map(|level| Water { middle: on_it(level), normal: up, radius }).collect()
+    }
+
     pub(super) fn springs(&self, lines: &mut Vec<Line>) {
         let world = &self.playback.world;
         // Not to go through ten thousand bodies for nothing.
@@ -80,5 +99,30 @@ impl Viewport {
                 }
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser as _;
+
+    use super::*;
+    use crate::options::Options;
+
+    #[test]
+    fn there_is_water_where_something_floats() {
+        let viewport = |scene: &str| {
+            let options = Options::try_parse_from(["tumble-view", scene]).unwrap();
+            Viewport::new(options.scene().unwrap(), &options.view).unwrap()
+        };
+        assert!(viewport("pyramid").water().is_empty());
+        let mut raft = viewport("raft");
+        let level =
+            raft.playback.world.query::<&Buoyancy>().iter().map(|afloat| f64::from(afloat.level)).next().unwrap();
+        let water = raft.water();
+        assert_eq!((water.len(), water[0].normal), (1, DVec3::Y));
+        assert!((water[0].middle.y - level).abs() < 1e-12);
+        raft.layers.toggle(Layer::Water);
+        assert!(raft.water().is_empty());
     }
 }
