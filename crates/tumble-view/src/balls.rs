@@ -142,7 +142,9 @@ mod tests {
             playback.world.get::<&Pose>(again).unwrap().position.x,
             10.0 * (MAX_BALLS + 1) as tumble::math::Real
         );
-        assert_eq!(playback.world.get::<&Velocity>(again).unwrap().linear.z, -20.0);
+        // It comes from the momentum, and is rounded by the mass.
+        let speed = playback.world.get::<&Velocity>(again).unwrap().linear.z;
+        assert!((speed + 20.0).abs() < 1e-5, "{speed}");
     }
 
     #[test]

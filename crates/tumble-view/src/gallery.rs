@@ -1,5 +1,5 @@
-//! Which scene is shown: the one that was asked for, and the built-in ones; and whether its file has
-//! changed.
+//! Which scene is shown: the one that was asked for, and the built-in ones; and whether its file
+//! has changed.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant, SystemTime};
