@@ -126,8 +126,8 @@ fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> ((f64, u64), Vec<Stri
             (held, place) = (if is_held { held + 1 } else { 0 }, now);
             (most_held, lowest) = (most_held.max(held), lowest.min(now.y));
         }
-        // As deep as what rests on its contacts at most, with its centre; half as deep as it is long
-        // where a substep is too long for it.
+        // Its centre is as deep as what rests on its contacts at most; half as deep as it is
+        // long where a substep is too long for it.
         let h = f64::from(simulation.settings().contact_substep());
         let fall = GRAVITY * h * h;
         let (depth, steps) =
