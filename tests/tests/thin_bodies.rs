@@ -48,10 +48,11 @@ fn energy(world: &World) -> f64 {
 /// Lengths of a body, the longest first and the shortest last.
 type Lengths = [f64; 3];
 
-/// Steps that a body may stay where it is although it moves: it may bounce off in each.
+/// Steps that a body may stay where it is although it moves: it may bounce off in each. One in
+/// [`RARELY`] of a shape may stay longer, but not for ever.
 const MAX_HELD: u32 = 8;
-/// Of what is thinner than [`RESOLVED`].
-const MAX_HELD_IF_THIN: u32 = 100;
+const MAX_HELD_RARELY: u32 = 100;
+const RARELY: u64 = 300;
 /// Half thickness, in what a body falls in a substep from rest, twice over (`g h^2`), from which on
 /// contacts resolve how it rolls over its edges: one that is as thin as it falls is through.
 const RESOLVED: f64 = 3.0;
@@ -74,7 +75,7 @@ fn half_thickness(shape: &Shape) -> f64 {
 /// Drops bodies of a shape and returns by how much the worst of them went over what is allowed, as
 /// a part of it, and what else is wrong.
 fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> ((f64, u64), Vec<String>) {
-    let (mut worst, mut failed) = ((0.0, 0), Vec::new());
+    let (mut worst, mut failed, mut rare) = ((0.0, 0), Vec::new(), Vec::new());
     for case in 0..drops() {
         let mut draw = Draw::new(19, case);
         let long = draw.log_between(0.05, 5.0);
@@ -130,11 +131,16 @@ fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> ((f64, u64), Vec<Stri
         // long where a substep is too long for it.
         let h = f64::from(simulation.settings().contact_substep());
         let fall = GRAVITY * h * h;
-        let (depth, steps) =
-            if half >= RESOLVED * fall { (fall, MAX_HELD) } else { (fall + 0.5 * long, MAX_HELD_IF_THIN) };
-        if lowest < -depth || most_held > steps {
-            failed.push(format!("case {case}: {lowest} m over the ground, held for {most_held} steps"));
+        let depth = if half >= RESOLVED * fall { fall } else { fall + 0.5 * long };
+        let what = format!("case {case}: {lowest} m over the ground, held for {most_held} steps");
+        if lowest < -depth || most_held > MAX_HELD_RARELY {
+            failed.push(what);
+        } else if most_held > MAX_HELD {
+            rare.push(what);
         }
+    }
+    if rare.len() as u64 > drops() / RARELY {
+        failed.append(&mut rare);
     }
     (worst, failed)
 }
