@@ -47,7 +47,7 @@ impl FrameTimes {
         self.frames.iter()
     }
 
-    /// Of the last frames [ms].
+    /// Of the last frames \[ms\].
     pub(crate) fn mean(&self) -> FrameTime {
         let last = || self.frames.iter().rev().take(MEAN);
         let count = last().count().max(1) as f32;
