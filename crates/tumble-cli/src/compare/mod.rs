@@ -8,7 +8,7 @@ use std::time::Instant;
 use hecs::World;
 use rayon::ThreadPool;
 use rayon::prelude::*;
-use tumble::math::PRECISION;
+use tumble::math::{PRECISION, dvec3};
 use tumble::{Batch, Momentum, Pose, Simulation, Trial, simd_name};
 use tumble_scene::Scene;
 
@@ -165,7 +165,7 @@ fn median(mut times: Vec<f64>) -> f64 {
 
 fn mean_height(world: &World) -> f64 {
     let mut bodies = world.query::<&Pose>().with::<&Momentum>();
-    let heights: Vec<f64> = bodies.iter().map(|pose| f64::from(pose.position.y)).collect();
+    let heights: Vec<f64> = bodies.iter().map(|pose| dvec3(pose.position).y).collect();
     heights.iter().sum::<f64>() / heights.len().max(1) as f64
 }
 
