@@ -73,13 +73,14 @@ const SCENE: [&str; 12] = [
     "error", "limits", "written", "values", "bodies", "model", "convert", "builtin", "scene", "audit", "fields", "lib",
 ];
 /// The same of the crate of records.
-const RECORD: [&str; 13] = [
+const RECORD: [&str; 14] = [
     "svg",
     "csv_cell",
     "colors",
     "pending_file",
     "ground_patches",
     "momentum_scale",
+    "energy_scale",
     "kept",
     "summary",
     "plot",

@@ -2,7 +2,7 @@
 
 use hecs::{Entity, World};
 use tumble::{BodyOrder, Settings, Totals};
-use tumble_record::{Conserved, MomentumScale};
+use tumble_record::{Conserved, MomentumScale, energy_scale};
 
 /// Up to this number of body-steps every step is a sample: measuring them all takes a second at
 /// most.
@@ -77,7 +77,7 @@ impl Drift {
 
     /// What departures of the energy are compared to \[J\].
     pub(crate) fn energy_scale(&self) -> f64 {
-        self.initial.energy().abs().max(self.initial.kinetic()).max(self.exchanged)
+        energy_scale(&self.initial, self.exchanged)
     }
 
     pub(crate) fn energy(&self) -> Conserved<f64> {

@@ -219,11 +219,9 @@ impl Run {
             page: page.as_deref(),
         };
         if !options.quiet {
-            show_report(
-                &report,
-                options,
-                if interrupted && form == OutputForm::Words { OutputForm::Table } else { form },
-            )?;
+            // The words are for a whole run.
+            let form = if interrupted && form == OutputForm::Words { OutputForm::Table } else { form };
+            show_report(&report, options, form)?;
         }
         if interrupted {
             return Err(Failure::Interrupted);

@@ -36,6 +36,7 @@
 mod body_drawing;
 mod colors;
 mod csv_cell;
+mod energy_scale;
 mod ground_patches;
 mod kept;
 mod momentum_scale;
@@ -49,6 +50,7 @@ mod trajectory;
 pub use body_drawing::body_drawing;
 pub use colors::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR};
 pub use csv_cell::csv_cell;
+pub use energy_scale::energy_scale;
 pub use ground_patches::ground_patches;
 pub use kept::Kept;
 pub use momentum_scale::MomentumScale;

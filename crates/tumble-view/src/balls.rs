@@ -98,19 +98,10 @@ impl Playback {
 
 #[cfg(test)]
 mod tests {
-    use tumble_scene::Scene;
-
     use super::*;
+    use crate::playback::tests::{hash, open};
 
     const SHOT: Shot = Shot { from: DVec3::new(0.0, 3.0, 20.0), velocity: DVec3::new(0.0, 0.0, -20.0), radius: 0.4 };
-
-    fn open(scene: &str) -> Playback {
-        Playback::of(Scene::open(scene).unwrap()).unwrap()
-    }
-
-    fn hash(playback: &Playback) -> u64 {
-        tumble::state_hash(&playback.world, &playback.order)
-    }
 
     #[test]
     fn a_restart_removes_balls_and_is_the_beginning() {

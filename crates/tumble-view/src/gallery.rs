@@ -94,12 +94,11 @@ fn stamp(path: &std::path::Path) -> Option<(SystemTime, u64)> {
 
 #[cfg(test)]
 mod tests {
-    use clap::Parser as _;
-
     use super::*;
+    use crate::options::tests::options;
 
     fn gallery(arguments: &[&str]) -> Gallery {
-        Gallery::of(Options::try_parse_from(["tumble-view"].iter().chain(arguments)).unwrap())
+        Gallery::of(options(arguments).unwrap())
     }
 
     #[test]

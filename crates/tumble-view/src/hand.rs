@@ -103,21 +103,13 @@ mod tests {
     use std::time::Duration;
 
     use tumble::{Pose, Velocity};
-    use tumble_scene::Scene;
 
     use super::*;
     use crate::camera::{Camera, Up};
     use crate::convert::dvec3;
+    use crate::playback::tests::{hash, open};
 
     const SIZE: DVec2 = DVec2::new(1280.0, 720.0);
-
-    fn open(scene: &str) -> Playback {
-        Playback::of(Scene::open(scene).unwrap()).unwrap()
-    }
-
-    fn hash(playback: &Playback) -> u64 {
-        tumble::state_hash(&playback.world, &playback.order)
-    }
 
     fn grab(playback: &mut Playback, index: usize, off: DVec3) -> Hand {
         let shown = playback.place()[index];

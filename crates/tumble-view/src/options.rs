@@ -278,12 +278,12 @@ fn number(text: &str) -> Result<f64, String> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use clap::CommandFactory as _;
 
     use super::*;
 
-    fn options(arguments: &[&str]) -> Result<Options, clap::Error> {
+    pub(crate) fn options(arguments: &[&str]) -> Result<Options, clap::Error> {
         Options::try_parse_from(["tumble-view"].iter().chain(arguments))
     }
 

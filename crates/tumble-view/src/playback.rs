@@ -138,7 +138,8 @@ impl Playback {
         Ok(())
     }
 
-    /// From now on steps can be taken back: the last 600, or as many as fit into 256 MB.
+    /// From now on steps can be taken back: the last 600, or as many as fit into 256 MB by an
+    /// estimate of what a body takes.
     pub(crate) fn keep_past(&mut self) {
         let fitting = BACK_BYTES / (BYTES_OF_A_BODY * self.bodies.all.len().max(1));
         self.past = Some(Rollback::new(fitting.clamp(1, MAX_BACK)));
@@ -267,16 +268,16 @@ fn moving(bodies: &Bodies) -> Vec<Entity> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use tumble::glam::DVec3;
 
     use super::*;
 
-    fn open(scene: &str) -> Playback {
+    pub(crate) fn open(scene: &str) -> Playback {
         Playback::of(Scene::open(scene).unwrap()).unwrap()
     }
 
-    fn hash(playback: &Playback) -> u64 {
+    pub(crate) fn hash(playback: &Playback) -> u64 {
         tumble::state_hash(&playback.world, &playback.order)
     }
 

@@ -2,7 +2,7 @@
 
 use tumble::glam::DVec3;
 use tumble::{Inertia, Mass, Momentum, Pose, Totals, Velocity};
-use tumble_record::{Kept, MomentumScale};
+use tumble_record::{Kept, MomentumScale, energy_scale};
 
 use crate::bodies::DrawnBody;
 use crate::convert::dvec3;
@@ -54,15 +54,13 @@ pub(crate) fn ledger(
     lost: Option<&str>,
 ) -> Vec<Row> {
     let row = |name: &str, figure: String| (name.to_owned(), figure);
-    // A body dropped from rest at the origin has no energy at all.
     let exchanged = (now.all_potential() - start.all_potential()).abs();
-    let energy_scale = start.energy().abs().max(start.kinetic()).max(exchanged);
     let name = |is_kept: bool| if is_kept { "  drift" } else { "  change" };
     let mut rows = vec![
         row("kinetic", format!("{} J", figure(now.kinetic()))),
         row("potential", format!("{} J", figure(now.all_potential()))),
         row("energy", format!("{} J", figure(now.energy()))),
-        row(name(kept.energy), drift(now.energy() - start.energy(), energy_scale)),
+        row(name(kept.energy), drift(now.energy() - start.energy(), energy_scale(start, exchanged))),
         row("momentum", format!("{} kg m/s", figure(now.linear_momentum.length()))),
         row(name(kept.momentum), drift((now.linear_momentum - start.linear_momentum).length(), scale.linear)),
         row("ang. mom.", format!("{} kg m²/s", figure(now.angular_momentum.length()))),

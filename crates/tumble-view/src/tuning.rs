@@ -125,9 +125,10 @@ mod tests {
     use tumble_scene::Scene;
 
     use super::*;
+    use crate::playback::tests;
 
     fn open(scene: &str) -> (Playback, Tuning) {
-        let playback = Playback::of(Scene::open(scene).unwrap()).unwrap();
+        let playback = tests::open(scene);
         let tuning = Tuning::of(&playback);
         (playback, tuning)
     }

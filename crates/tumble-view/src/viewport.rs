@@ -379,17 +379,16 @@ fn found(places: &[Placed], index: usize) -> Option<DVec3> {
 
 #[cfg(test)]
 mod tests {
-    use clap::Parser as _;
     use tumble::Pose;
     use tumble::math::{Real, Vec3};
 
     use super::*;
-    use crate::options::Options;
+    use crate::options::tests::options;
 
-    const SIZE: DVec2 = DVec2::new(1280.0, 720.0);
+    pub(super) const SIZE: DVec2 = DVec2::new(1280.0, 720.0);
 
-    fn viewport(arguments: &[&str]) -> Viewport {
-        let options = Options::try_parse_from(["tumble-view"].iter().chain(arguments)).unwrap();
+    pub(super) fn viewport(arguments: &[&str]) -> Viewport {
+        let options = options(arguments).unwrap();
         Viewport::new(options.scene().unwrap(), &options.view).unwrap()
     }
 

@@ -2,12 +2,10 @@
 
 mod rapier_world;
 
-use std::fmt::Write as _;
 use std::time::Instant;
 
 use hecs::World;
 use rayon::ThreadPool;
-use rayon::prelude::*;
 use tumble::math::{PRECISION, dvec3};
 use tumble::{Batch, Momentum, Pose, Simulation, Trial, simd_name};
 use tumble_scene::Scene;
@@ -80,12 +78,9 @@ pub(crate) fn compare(options: &CompareOptions) -> Result<(), Failure> {
 impl Row {
     fn to_line(&self) -> String {
         let [ours, theirs] = self.seconds.map(|seconds| 1e3 * seconds);
-        let [low, high] = self.heights;
-        let mut line =
-            format!("{:<14} {:>7} {ours:>12.4} {theirs:>12.4} {:>9.1}", self.name, self.bodies, theirs / ours);
-        // Writing to a string cannot fail.
-        let _ = writeln!(line, " {:>22}", format!("{low:.2}, {high:.2}"));
-        line
+        let heights = self.heights.map(|height| format!("{height:.2}")).join(", ");
+        let (name, bodies, ratio) = (&self.name, self.bodies, theirs / ours);
+        format!("{name:<14} {bodies:>7} {ours:>12.4} {theirs:>12.4} {ratio:>9.1} {heights:>22}\n")
     }
 }
 
@@ -112,14 +107,14 @@ fn worlds(pool: &ThreadPool) -> Result<Row, Failure> {
         theirs.push(rapier);
     }
     let mut batch: Batch = trials.into_iter().collect();
+    let alone = (0..pool.current_num_threads()).map(|_| run::pool_of(Some(1))).collect::<Result<Vec<_>, _>>()?;
     let seconds = contest(
         |steps| pool.install(|| batch.step_many(steps)),
-        |steps| pool.install(|| theirs.par_iter_mut().for_each(|world| (0..steps).for_each(|_| world.step()))),
+        |steps| in_parts(&mut theirs, &alone, |world| (0..steps).for_each(|_| world.step())),
     )?;
-    let of = |heights: Vec<f64>| heights.iter().sum::<f64>() / heights.len() as f64;
     let heights = [
-        of(batch.trials().iter().map(|trial| mean_height(&trial.world)).collect()),
-        of(theirs.iter().map(RapierWorld::mean_height).collect()),
+        mean(batch.trials().iter().map(|trial| mean_height(&trial.world))),
+        mean(theirs.iter().map(RapierWorld::mean_height)),
     ];
     Ok(Row { name: format!("{WORLD_COUNT} x {name}"), bodies: WORLD_COUNT * bodies as usize, seconds, heights })
 }
@@ -165,8 +160,25 @@ fn median(mut times: Vec<f64>) -> f64 {
 
 fn mean_height(world: &World) -> f64 {
     let mut bodies = world.query::<&Pose>().with::<&Momentum>();
-    let heights: Vec<f64> = bodies.iter().map(|pose| dvec3(pose.position).y).collect();
-    heights.iter().sum::<f64>() / heights.len().max(1) as f64
+    mean(bodies.iter().map(|pose| dvec3(pose.position).y))
+}
+
+/// Zero of nothing.
+fn mean(numbers: impl Iterator<Item = f64>) -> f64 {
+    let (count, sum) = numbers.fold((0_u32, 0.0), |(count, sum), number| (count + 1, sum + number));
+    sum / f64::from(count.max(1))
+}
+
+/// Shows each pool a part of the worlds: steps of Rapier that wait for each other in one pool of
+/// several threads wait for ever.
+fn in_parts(worlds: &mut [RapierWorld], pools: &[ThreadPool], work: impl Fn(&mut RapierWorld) + Sync) {
+    let part = worlds.len().div_ceil(pools.len().max(1)).max(1);
+    let work = &work;
+    std::thread::scope(|scope| {
+        for (worlds, pool) in worlds.chunks_mut(part).zip(pools) {
+            scope.spawn(move || pool.install(|| worlds.iter_mut().for_each(work)));
+        }
+    });
 }
 
 /// What the machine says that it is.

@@ -6,6 +6,8 @@ use tumble::math::{Real, Vec3};
 use tumble::{BodyId, Collider, Inertia, Mass, Momentum, Pose, Settings, Shape, Velocity};
 use tumble_import::Appearance;
 
+use crate::compare::mean;
+
 /// A world of Rapier, in single precision.
 pub(crate) struct RapierWorld(rapier::PhysicsWorld);
 
@@ -76,8 +78,7 @@ impl RapierWorld {
     /// Of the bodies that move \[m\].
     pub(crate) fn mean_height(&self) -> f64 {
         let moving = self.0.bodies.iter().filter(|(_, body)| body.is_dynamic());
-        let heights: Vec<f64> = moving.map(|(_, body)| f64::from(body.translation().y)).collect();
-        heights.iter().sum::<f64>() / heights.len().max(1) as f64
+        mean(moving.map(|(_, body)| f64::from(body.translation().y)))
     }
 }
 

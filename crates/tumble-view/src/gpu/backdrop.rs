@@ -1,10 +1,11 @@
 //! The background pass: a vertical colour gradient or a plain colour.
 
 use macroquad::miniquad::{
-    Bindings, BufferLayout, BufferSource, BufferType, BufferUsage, Pipeline, PipelineParams, RenderingBackend,
-    UniformType, UniformsSource, VertexAttribute, VertexFormat,
+    Bindings, BufferLayout, Pipeline, PipelineParams, RenderingBackend, UniformType, UniformsSource, VertexAttribute,
+    VertexFormat,
 };
 
+use super::quad::{INDICES, Quad, SQUARE};
 use super::{Background, GpuError, shader};
 
 const SHADER: [&str; 2] = [include_str!("../shaders/backdrop.vert"), include_str!("../shaders/backdrop.frag")];
@@ -29,12 +30,7 @@ impl Backdrop {
     pub(super) fn new(context: &mut dyn RenderingBackend) -> Result<Self, GpuError> {
         let uniforms = [("below", UniformType::Float3), ("above", UniformType::Float3)];
         let shader = shader(context, SHADER, &uniforms)?;
-        let corners: [[f32; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-        let corners =
-            context.new_buffer(BufferType::VertexBuffer, BufferUsage::Immutable, BufferSource::slice(&corners));
-        let indices: [u16; 6] = [0, 1, 2, 0, 2, 3];
-        let indices =
-            context.new_buffer(BufferType::IndexBuffer, BufferUsage::Immutable, BufferSource::slice(&indices));
+        let Quad { corners, indices } = Quad::new(context, &SQUARE);
         let attributes = [VertexAttribute::new("corner", VertexFormat::Float2)];
         let pipeline = context.new_pipeline(&[BufferLayout::default()], &attributes, shader, PipelineParams::default());
         Ok(Self {
@@ -51,6 +47,6 @@ impl Backdrop {
         context.apply_pipeline(&self.pipeline);
         context.apply_bindings(&self.bindings);
         context.apply_uniforms(UniformsSource::table(&uniforms));
-        context.draw(0, 6, 1);
+        context.draw(0, INDICES, 1);
     }
 }

@@ -1,14 +1,14 @@
 //! The body pass: instanced draw calls, one for each surface mesh.
 
 use macroquad::miniquad::{
-    Bindings, BlendFactor, BlendState, BlendValue, BufferId, BufferLayout, BufferSource, BufferType, BufferUsage,
-    Comparison, Equation, Pipeline, PipelineParams, RenderingBackend, UniformType, UniformsSource, VertexAttribute,
-    VertexFormat, VertexStep,
+    Bindings, BufferId, BufferLayout, BufferSource, BufferType, BufferUsage, Comparison, Pipeline, PipelineParams,
+    RenderingBackend, UniformType, UniformsSource, VertexAttribute, VertexFormat, VertexStep,
 };
 use tumble_import::Tessellation;
 use tumble_record::SurfaceSet;
 
 use super::instances::Instances;
+use super::quad::blended;
 use super::{GpuError, Picture, shader};
 use crate::convert::single3;
 
@@ -75,20 +75,7 @@ impl BodyPass {
             VertexAttribute::with_buffer("size", VertexFormat::Float3, 1),
             VertexAttribute::with_buffer("paint", VertexFormat::Float4, 1),
         ];
-        let over = BlendState::new(
-            Equation::Add,
-            BlendFactor::Value(BlendValue::SourceAlpha),
-            BlendFactor::OneMinusValue(BlendValue::SourceAlpha),
-        );
-        // The picture itself stays opaque.
-        let opaque = BlendState::new(Equation::Add, BlendFactor::Zero, BlendFactor::One);
-        let params = PipelineParams {
-            depth_test: Comparison::LessOrEqual,
-            depth_write: true,
-            color_blend: Some(over),
-            alpha_blend: Some(opaque),
-            ..PipelineParams::default()
-        };
+        let params = PipelineParams { depth_test: Comparison::LessOrEqual, depth_write: true, ..blended() };
         let pipeline = context.new_pipeline(&buffers, &attributes, shader, params);
         let meshes = surfaces.tessellations().map(|surface| Mesh::new(context, &surface)).collect();
         Ok(Self { pipeline, meshes })

@@ -1,12 +1,12 @@
 //! The line pass: lines as viewer-facing strips, and marks that show through bodies when hidden.
 
 use macroquad::miniquad::{
-    Bindings, BlendFactor, BlendState, BlendValue, BufferId, BufferLayout, BufferSource, BufferType, BufferUsage,
-    Comparison, Equation, Pipeline, PipelineParams, RenderingBackend, UniformType, UniformsSource, VertexAttribute,
-    VertexFormat, VertexStep,
+    Bindings, BufferId, BufferLayout, Comparison, Pipeline, PipelineParams, RenderingBackend, UniformType,
+    UniformsSource, VertexAttribute, VertexFormat, VertexStep,
 };
 
 use super::instances::Instances;
+use super::quad::{INDICES, Quad, blended};
 use super::{GpuError, Picture, shader};
 use crate::camera::View;
 use crate::convert::single3;
@@ -44,8 +44,7 @@ pub(super) struct LinePass {
     /// Hidden by surfaces, and on top of them.
     hidden: Pipeline,
     on_top: Pipeline,
-    corners: BufferId,
-    indices: BufferId,
+    strip: Quad,
     scenery: Instances,
     marks: Instances,
 }
@@ -69,26 +68,12 @@ impl LinePass {
             VertexAttribute::with_buffer("end_color", VertexFormat::Float4, 1),
             VertexAttribute::with_buffer("width", VertexFormat::Float1, 1),
         ];
-        let over = BlendState::new(
-            Equation::Add,
-            BlendFactor::Value(BlendValue::SourceAlpha),
-            BlendFactor::OneMinusValue(BlendValue::SourceAlpha),
-        );
-        // The picture itself stays opaque.
-        let opaque = BlendState::new(Equation::Add, BlendFactor::Zero, BlendFactor::One);
-        let on_top = PipelineParams { color_blend: Some(over), alpha_blend: Some(opaque), ..PipelineParams::default() };
+        let on_top = blended();
         let hidden = PipelineParams { depth_test: Comparison::LessOrEqual, depth_write: true, ..on_top };
-        let corners: [[f32; 2]; 4] = [[0.0, -1.0], [1.0, -1.0], [1.0, 1.0], [0.0, 1.0]];
-        let indices: [u16; 6] = [0, 1, 2, 0, 2, 3];
         Ok(Self {
             hidden: context.new_pipeline(&buffers, &attributes, shader, hidden),
             on_top: context.new_pipeline(&buffers, &attributes, shader, on_top),
-            corners: context.new_buffer(
-                BufferType::VertexBuffer,
-                BufferUsage::Immutable,
-                BufferSource::slice(&corners),
-            ),
-            indices: context.new_buffer(BufferType::IndexBuffer, BufferUsage::Immutable, BufferSource::slice(&indices)),
+            strip: Quad::new(context, &[[0.0, -1.0], [1.0, -1.0], [1.0, 1.0], [0.0, 1.0]]),
             scenery: Instances::default(),
             marks: Instances::default(),
         })
@@ -125,12 +110,12 @@ impl LinePass {
         };
         context.apply_pipeline(&pipeline);
         context.apply_bindings(&Bindings {
-            vertex_buffers: vec![self.corners, buffer],
-            index_buffer: self.indices,
+            vertex_buffers: vec![self.strip.corners, buffer],
+            index_buffer: self.strip.indices,
             images: Vec::new(),
         });
         context.apply_uniforms(UniformsSource::table(&uniforms));
-        context.draw(0, 6, i32::try_from(count).unwrap_or(i32::MAX));
+        context.draw(0, INDICES, i32::try_from(count).unwrap_or(i32::MAX));
     }
 }
 

@@ -5,6 +5,7 @@ mod body_pass;
 mod context;
 mod instances;
 mod line_pass;
+mod quad;
 mod water_pass;
 
 use macroquad::miniquad::{PassAction, RenderPass, RenderingBackend};

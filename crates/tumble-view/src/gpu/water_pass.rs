@@ -1,12 +1,12 @@
 //! The water pass: level surfaces through which one sees, in front of all that is behind them.
 
 use macroquad::miniquad::{
-    Bindings, BlendFactor, BlendState, BlendValue, BufferId, BufferLayout, BufferSource, BufferType, BufferUsage,
-    Comparison, Equation, Pipeline, PipelineParams, RenderingBackend, UniformType, UniformsSource, VertexAttribute,
-    VertexFormat,
+    Bindings, BufferLayout, Comparison, Pipeline, PipelineParams, RenderingBackend, UniformType, UniformsSource,
+    VertexAttribute, VertexFormat,
 };
 use tumble::glam::DVec3;
 
+use super::quad::{INDICES, Quad, SQUARE, blended};
 use super::{GpuError, Picture, shader};
 use crate::convert::single3;
 
@@ -35,8 +35,7 @@ struct Uniforms {
 #[derive(Debug)]
 pub(super) struct WaterPass {
     pipeline: Pipeline,
-    corners: BufferId,
-    indices: BufferId,
+    square: Quad,
 }
 
 impl WaterPass {
@@ -48,30 +47,11 @@ impl WaterPass {
             ("across", UniformType::Float3),
         ];
         let shader = shader(context, SHADER, &uniforms)?;
-        let over = BlendState::new(
-            Equation::Add,
-            BlendFactor::Value(BlendValue::SourceAlpha),
-            BlendFactor::OneMinusValue(BlendValue::SourceAlpha),
-        );
-        // The picture itself stays opaque.
-        let opaque = BlendState::new(Equation::Add, BlendFactor::Zero, BlendFactor::One);
-        let params = PipelineParams {
-            depth_test: Comparison::LessOrEqual,
-            color_blend: Some(over),
-            alpha_blend: Some(opaque),
-            ..PipelineParams::default()
-        };
+        let params = PipelineParams { depth_test: Comparison::LessOrEqual, ..blended() };
         let attributes = [VertexAttribute::new("corner", VertexFormat::Float2)];
-        let corners: [[f32; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]];
-        let indices: [u16; 6] = [0, 1, 2, 0, 2, 3];
         Ok(Self {
             pipeline: context.new_pipeline(&[BufferLayout::default()], &attributes, shader, params),
-            corners: context.new_buffer(
-                BufferType::VertexBuffer,
-                BufferUsage::Immutable,
-                BufferSource::slice(&corners),
-            ),
-            indices: context.new_buffer(BufferType::IndexBuffer, BufferUsage::Immutable, BufferSource::slice(&indices)),
+            square: Quad::new(context, &SQUARE),
         })
     }
 
@@ -83,8 +63,8 @@ impl WaterPass {
             let far = water.radius / view.unit;
             context.apply_pipeline(&self.pipeline);
             context.apply_bindings(&Bindings {
-                vertex_buffers: vec![self.corners],
-                index_buffer: self.indices,
+                vertex_buffers: vec![self.square.corners],
+                index_buffer: self.square.indices,
                 images: Vec::new(),
             });
             context.apply_uniforms(UniformsSource::table(&Uniforms {
@@ -93,7 +73,7 @@ impl WaterPass {
                 along: single3(along * far),
                 across: single3(across * far),
             }));
-            context.draw(0, 6, 1);
+            context.draw(0, INDICES, 1);
         }
     }
 }

@@ -188,18 +188,9 @@ impl Viewport {
 mod tests {
     use std::time::Duration;
 
-    use clap::Parser as _;
-
     use super::*;
     use crate::layers::Layer;
-    use crate::options::Options;
-
-    const SIZE: DVec2 = DVec2::new(1280.0, 720.0);
-
-    fn viewport(arguments: &[&str]) -> Viewport {
-        let options = Options::try_parse_from(["tumble-view"].iter().chain(arguments)).unwrap();
-        Viewport::new(options.scene().unwrap(), &options.view).unwrap()
-    }
+    use crate::viewport::tests::{SIZE, viewport};
 
     fn seen(viewport: &Viewport, index: usize) -> DVec2 {
         viewport.view(SIZE).project(viewport.playback.place()[index].center).unwrap()

@@ -43,7 +43,8 @@ enum ColliderChoice {
 ///
 /// It collides: the [`Collider`] is that of its shape, unless it is given
 /// [another](Self::collider) or [none](Self::without_collider). A [`Point`](Shape::Point) has no
-/// surface and so no collider, and a [`Mesh`](Shape::Mesh) is touched as its convex hull.
+/// surface and so no collider, and a [`Mesh`](Shape::Mesh) is touched as its convex hull. Colliders
+/// have lengths from 1e-9 to 1e9 m; a larger body, such as a star, is made without one.
 ///
 /// ```
 /// use tumble::prelude::*;

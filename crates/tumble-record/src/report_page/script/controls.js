@@ -75,8 +75,8 @@ canvas.addEventListener('pointermove', (event) => {
   fingers.set(event.pointerId, event);
   const [dx, dy] = [event.clientX - before.clientX, event.clientY - before.clientY];
   if (fingers.size === 2) {
-    const [now, middleX, middleY] = spread();
-    zoomBy(apart / Math.max(1, now));
+    const [wide, middleX, middleY] = spread();
+    zoomBy(apart / Math.max(1, wide));
     panBy(middleX - x, middleY - y);
   } else if (event.shiftKey || event.buttons > 1) panBy(dx, dy);
   else if (!pressed) turnBy(dx, dy);
@@ -135,10 +135,10 @@ reset();
 
 // It plays as soon as it is seen, where the reader has not asked for less motion.
 if (duration > 0 && !window.matchMedia('(prefers-reduced-motion: reduce)').matches) {
-  const seen = new IntersectionObserver(([entry]) => {
+  const watch = new IntersectionObserver(([entry]) => {
     if (!entry.isIntersecting) return;
-    seen.disconnect();
+    watch.disconnect();
     setPlaying(true);
   }, { threshold: 0.5 });
-  seen.observe(canvas);
+  watch.observe(canvas);
 }

@@ -11,8 +11,8 @@ const positionOf = (frame, body) => [0, 1, 2].map((i) => positions[3 * (frame * 
 function ballAround(frames, bodies) {
   // As many places as are sorted quickly.
   const each = Math.ceil(frames.length * bodies.length / (frames.length === 1 ? 1000 : 5000));
-  const some = bodies.filter((_, at) => at % each === 0);
-  const places = frames.flatMap((frame) => some.map((body) => [positionOf(frame, body), reach[body]]));
+  const sample = bodies.filter((_, at) => at % each === 0);
+  const places = frames.flatMap((frame) => sample.map((body) => [positionOf(frame, body), reach[body]]));
   const whole = ballOf(places, 0);
   const most = places.length > 40 ? ballOf(places, 0.02) : whole;
   return whole.radius > 1.4 * most.radius ? most : whole;
@@ -51,13 +51,13 @@ function ballsOfMotion() {
   const count = Math.min(lastFrame, 96);
   const frames = Array.from({ length: count + 1 }, (_, key) => Math.round(count > 0 ? key * lastFrame / count : 0));
   // What is about to move is shown before it does.
-  const window = (frame) => [-0.03, 0.05].map((part, end) => {
+  const around = (frame) => [-0.03, 0.05].map((part, end) => {
     const there = locate(times[frame] + part * duration)[0];
     return Math.min(lastFrame, Math.max(0, end === 0 ? Math.min(there, frame - 1) : Math.max(there, frame + 1)));
   });
   let before = seen;
   const balls = frames.map((frame) => {
-    const [from, to] = window(frame);
+    const [from, to] = around(frame);
     const moved = seen.filter((body) => movesBetween(from, to, body));
     if (moved.length > 0) before = moved;
     const ball = ballAround([frame], before);
