@@ -192,7 +192,7 @@ fn bodies(text: &str) -> Result<u64, String> {
     count_up_to(text, MAX_BODIES as u64)
 }
 
-fn every(text: &str) -> Result<NonZeroU64, String> {
+pub(crate) fn every(text: &str) -> Result<NonZeroU64, String> {
     NonZeroU64::new(parse_count(text)?).ok_or_else(|| "must be 1 or more".to_owned())
 }
 

@@ -52,7 +52,7 @@ pub use inertia_repair::InertiaRepairs;
 pub use limits::{MAX_FILE_BYTES, MAX_HULL_POINTS, MAX_MESH, MAX_PARTS};
 pub use mesh_file::{MeshFile, MeshFormat};
 pub use named_files::{Reading, beside};
-pub use read_file::read_text;
+pub use read_file::{read_bytes, read_text};
 pub use terminal::{one_line, printable, printable_json, printable_lines, shortest};
 pub use tessellation::{POINT_RADIUS, Tessellation};
 pub use urdf::{Robot, RobotLink};

@@ -27,7 +27,14 @@ pub(crate) fn read_limited(path: &Path, limit: u64) -> Result<String, FileError>
 }
 
 /// Reads a regular file of at most `limit` bytes.
-pub(crate) fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
+///
+/// # Errors
+/// [`FileError`] if it cannot be read or is too large.
+///
+/// ```
+/// assert!(tumble_import::read_bytes("missing.glb".as_ref(), 1 << 20).is_err());
+/// ```
+pub fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, FileError> {
     let file = one_line(&path.to_string_lossy());
     let unreadable = |reason: String| FileError::Unreadable { file: file.clone(), reason };
     // Asked before opening, for opening a pipe waits for its other end.

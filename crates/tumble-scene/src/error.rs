@@ -25,10 +25,7 @@ pub enum SceneError {
     #[error(transparent)]
     File(#[from] FileError),
     /// The file name's extension is none of the formats.
-    #[error(
-        "{}: a scene file ends in .json or .ron, or, unless it is for a sweep, in .gltf, .glb or .urdf",
-        printable(.file)
-    )]
+    #[error("{}: a scene file ends in .json, .ron, .gltf, .glb or .urdf", printable(.file))]
     UnknownFormat {
         /// The file as the caller named it.
         file: String,

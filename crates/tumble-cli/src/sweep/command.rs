@@ -16,16 +16,24 @@ use tumble::for_each_world;
 
 use crate::ending::check_ending;
 use crate::failure::Failure;
+use crate::inspect::{REPAIR, is_repairable};
 use crate::progress::Progress;
 use crate::run::{check_simd, pool};
 use crate::sweep::options::SweepOptions;
 use crate::sweep::plot::SweepPlot;
-use crate::sweep::row::{columns, row};
+use crate::sweep::row::{Row, columns, row};
+use crate::sweep::series::SeriesFile;
 use crate::{interrupt, print};
 
 /// Runs the worlds of a sweep and writes a row for each.
 pub(crate) fn sweep(options: &SweepOptions) -> Result<(), Failure> {
     check_ending(&options.out, "a sweep's file", "csv")?;
+    if let Some(series) = &options.series {
+        check_ending(series, "a time series", "csv")?;
+    }
+    if options.repair && !is_repairable(&options.scene) {
+        return Err(Failure::Input(format!("{REPAIR}, not with {:?}", options.scene)));
+    }
     refuse_twice(&options.body)?;
     check_simd()?;
     let sweep = Sweep::new(options.plan())?;
@@ -34,9 +42,10 @@ pub(crate) fn sweep(options: &SweepOptions) -> Result<(), Failure> {
     interrupt::watch()?;
     let plot = SweepPlot::open(&options.plot, &columns, sweep.files().to_vec())?;
     let identity = SweepIdentity::new(&sweep, options.shard);
-    let file = open(&options.out, &identity, &columns)?;
-    let mut report = Report { worlds: identity.range(), begun_at: file.first_missing_world(), ..Report::default() };
-    let done = pool.install(|| run(&sweep, file, &mut report, options.quiet))?;
+    let files = Files::open(options, &identity, &columns)?;
+    let begun_at = files.rows.first_missing_world();
+    let mut report = Report { worlds: identity.range(), begun_at, ..Report::default() };
+    let done = pool.install(|| run(&sweep, files, &mut report, options.quiet))?;
     if done.is_continue()
         && let Some(plot) = plot
     {
@@ -48,17 +57,49 @@ pub(crate) fn sweep(options: &SweepOptions) -> Result<(), Failure> {
     if done.is_break() { Err(Failure::Interrupted) } else { Ok(()) }
 }
 
-/// Opens or makes the file; one that was made and cannot be written does not stay.
-fn open(path: &Path, identity: &SweepIdentity, columns: &[String]) -> Result<SweepFile, Failure> {
-    let was_there = fs::symlink_metadata(path).is_ok();
-    SweepFile::open(path, identity, columns).map_err(|error| {
-        let failure = Failure::from(error);
-        if !was_there && matches!(failure, Failure::Running(_)) {
+/// What a sweep writes.
+struct Files {
+    rows: SweepFile,
+    series: Option<SeriesFile>,
+}
+
+impl Files {
+    /// Opens or makes the files; one that was made and cannot be written does not stay.
+    fn open(options: &SweepOptions, identity: &SweepIdentity, columns: &[String]) -> Result<Self, Failure> {
+        let path = &options.out;
+        let was_there = fs::symlink_metadata(path).is_ok();
+        let rows = SweepFile::open(path, identity, columns).map_err(Failure::from);
+        let opened = rows.and_then(|rows| {
+            let series = options.series.as_ref().map(|series| Self::open_series(series, path, identity, &rows));
+            Ok(Self { series: series.transpose()?, rows })
+        });
+        if opened.is_err() && !was_there {
             // If even that fails, the first failure is the one to tell.
             drop(fs::remove_file(path));
         }
-        failure
-    })
+        opened
+    }
+
+    fn open_series(path: &Path, out: &Path, identity: &SweepIdentity, rows: &SweepFile) -> Result<SeriesFile, Failure> {
+        if fs::canonicalize(path).is_ok_and(|path| fs::canonicalize(out).is_ok_and(|out| out == path)) {
+            return Err(Failure::Input(format!("{}: is --out already", path.display())));
+        }
+        let world = rows.first_missing_world();
+        SeriesFile::open(path, identity, world == identity.range().start, world)
+    }
+
+    fn append(&mut self, row: &Row) -> Result<(), Failure> {
+        if let Some(series) = &mut self.series {
+            series.append(&row.series)?;
+        }
+        // Not kept back: what is finished is safe if the program is killed.
+        self.rows.append(row.text.as_bytes()).map_err(|error| Failure::Running(error.to_string()))
+    }
+
+    fn finish(self) -> Result<(), Failure> {
+        self.series.map_or(Ok(()), SeriesFile::finish)?;
+        self.rows.finish().map_err(|error| Failure::Running(error.to_string()))
+    }
 }
 
 fn refuse_twice(bodies: &[String]) -> Result<(), Failure> {
@@ -70,7 +111,7 @@ fn refuse_twice(bodies: &[String]) -> Result<(), Failure> {
 }
 
 /// Runs what is not in the file yet; breaks if the user did not want to wait for the end.
-fn run(sweep: &Sweep, mut file: SweepFile, report: &mut Report, quiet: bool) -> Result<ControlFlow<()>, Failure> {
+fn run(sweep: &Sweep, mut files: Files, report: &mut Report, quiet: bool) -> Result<ControlFlow<()>, Failure> {
     let begun = Instant::now();
     let Range { start, end } = report.worlds;
     let progress = Progress::start_worlds(report.begun_at - start, end - start, quiet);
@@ -79,9 +120,8 @@ fn run(sweep: &Sweep, mut file: SweepFile, report: &mut Report, quiet: bool) -> 
         |index| if interrupt::asked() { None } else { row(sweep, index) },
         |index, row| {
             let Some(row) = row else { return ControlFlow::Break(None) };
-            // Not kept back: what is finished is safe if the program is killed.
-            if let Err(error) = file.append(row.text.as_bytes()) {
-                return ControlFlow::Break(Some(Failure::Running(error.to_string())));
+            if let Err(failure) = files.append(&row) {
+                return ControlFlow::Break(Some(failure));
             }
             report.count(row.outcome);
             progress.at(index + 1 - start);
@@ -90,7 +130,7 @@ fn run(sweep: &Sweep, mut file: SweepFile, report: &mut Report, quiet: bool) -> 
     );
     drop(progress);
     report.time = begun.elapsed();
-    file.finish().map_err(|error| Failure::Running(error.to_string()))?;
+    files.finish()?;
     match stopped {
         ControlFlow::Continue(()) => Ok(ControlFlow::Continue(())),
         ControlFlow::Break(None) => Ok(ControlFlow::Break(())),

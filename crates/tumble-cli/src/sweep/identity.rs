@@ -50,6 +50,11 @@ pub(crate) struct SweepIdentity {
     observe: Vec<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     until: Option<String>,
+    /// No row depends on it, but the file of the series goes with that of the rows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    series: Option<u64>,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    repair: bool,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     shard: Option<String>,
 }
@@ -81,6 +86,8 @@ impl SweepIdentity {
             bodies: plan.bodies.clone(),
             observe: plan.observe.clone(),
             until: plan.until.clone(),
+            series: plan.series.map(u64::from),
+            repair: plan.repair,
             shard: shard.map(|shard| shard.to_string()),
         }
     }

@@ -12,13 +12,15 @@ pub(crate) mod parameter;
 pub(crate) mod plot;
 pub(crate) mod row;
 pub(crate) mod run_status;
+pub(crate) mod series;
 pub(crate) mod shard;
 
+use std::num::NonZeroU64;
 use std::path::PathBuf;
 
 use tumble::math::Real;
 use tumble::{Integrator, Rng};
-use tumble_import::FieldError;
+use tumble_import::{FieldError, InertiaRepairs};
 use tumble_scene::{FieldPath, RunLength, RunOverrides, SceneError, SceneTemplate, VariedScene, VariedWorld};
 
 use crate::sweep::distribution::Distribution;
@@ -55,6 +57,10 @@ pub(crate) struct SweepPlan {
     pub(crate) observe: Vec<String>,
     /// What ends a world before its steps are done, as it was written.
     pub(crate) until: Option<String>,
+    /// Of how many steps one is in the time series, if there is one.
+    pub(crate) series: Option<NonZeroU64>,
+    /// Whether impossible inertias of a file of others are repaired.
+    pub(crate) repair: bool,
 }
 
 /// A scene with fields that differ from world to world: at random, or over the values of a grid.
@@ -100,7 +106,9 @@ impl Sweep {
     /// means) and one with all at their high ends.
     pub(crate) fn new(plan: SweepPlan) -> Result<Self, SweepError> {
         let SweepPlan { length, dt, substeps, integrator, .. } = plan;
-        let scene = SceneTemplate::open(&plan.scene, RunOverrides { length, dt, substeps, integrator })?;
+        let repairs = if plan.repair { InertiaRepairs::Made } else { InertiaRepairs::Refused };
+        let overrides = RunOverrides { length, dt, substeps, integrator };
+        let scene = SceneTemplate::open_with(&plan.scene, overrides, repairs)?;
         let (fields, varied) = find_fields(&plan, &scene)?;
         let names = scene.body_names();
         let reported = reported(&plan.bodies, &names)?;

@@ -1,5 +1,6 @@
 //! The command line of sweeps.
 
+use std::num::NonZeroU64;
 use std::path::PathBuf;
 
 use tumble_scene::RunLength;
@@ -9,11 +10,11 @@ use crate::sweep::shard::Shard;
 use crate::sweep::{MAX_WORLDS, SweepPlan};
 use clap::Args;
 
-use crate::options::{StepOptions, count_up_to};
+use crate::options::{StepOptions, count_up_to, every};
 
 #[derive(Debug, Args)]
 pub(crate) struct SweepOptions {
-    /// A .json or .ron file, or the name of a built-in scene
+    /// A file (.json, .ron, .gltf, .glb, .urdf), or the name of a built-in scene
     #[arg(value_name = "SCENE")]
     pub(crate) scene: String,
     /// The .csv file to write, or to go on with: one row for each world
@@ -45,6 +46,16 @@ pub(crate) struct SweepOptions {
     /// first_contact(BODY)
     #[arg(long, value_name = "CONDITION")]
     pub(crate) until: Option<String>,
+    /// Write the states of the bodies on the way into this .csv file, world after world
+    #[arg(long, value_name = "FILE")]
+    pub(crate) series: Option<PathBuf>,
+    /// Every K-th step is in the series [default: 1]
+    #[arg(long, value_name = "K", allow_negative_numbers = true, requires = "series", value_parser = every)]
+    pub(crate) every: Option<NonZeroU64>,
+    /// Take the nearest possible inertia for bodies of a .gltf, .glb or .urdf file whose own is
+    /// impossible
+    #[arg(long)]
+    pub(crate) repair: bool,
     /// Only the I-th of N parts of the worlds
     #[arg(long, value_name = "I/N", value_parser = str::parse::<Shard>)]
     pub(crate) shard: Option<Shard>,
@@ -102,6 +113,8 @@ impl SweepOptions {
             bodies: self.body.clone(),
             observe: self.observe.clone(),
             until: self.until.clone(),
+            series: self.series.as_ref().map(|_| self.every.unwrap_or(NonZeroU64::MIN)),
+            repair: self.repair,
         }
     }
 }

@@ -9,6 +9,7 @@ use tumble_scene::VariedWorld;
 use crate::sweep::Sweep;
 use crate::sweep::observation::Observation;
 use crate::sweep::run_status::RunStatus;
+use crate::sweep::series::Series;
 use tumble::math::Real;
 use tumble::{BodyOrder, Pose, Trial, Velocity};
 
@@ -22,6 +23,8 @@ const UNINTERRUPTED: Duration = Duration::from_millis(50);
 pub(crate) struct Row {
     pub(crate) text: String,
     pub(crate) outcome: RunStatus,
+    /// The lines of its time series, which is empty where there is none.
+    pub(crate) series: String,
 }
 
 /// The end of a world that was run.
@@ -54,8 +57,9 @@ pub(crate) fn columns(sweep: &Sweep) -> Vec<String> {
 /// Runs a world; `None` if the user did not want to wait for its end.
 pub(crate) fn row(sweep: &Sweep, index: u64) -> Option<Row> {
     let drawn = sweep.draw(index);
+    let mut series = String::new();
     let (outcome, end) = match sweep.build(&drawn) {
-        Ok(world) => match run(sweep, world)? {
+        Ok(world) => match run(sweep, (index, world), &mut series)? {
             Ok(end) => (RunStatus::Ok, Some(end)),
             Err(()) => (RunStatus::NotFinite, None),
         },
@@ -73,16 +77,20 @@ pub(crate) fn row(sweep: &Sweep, index: u64) -> Option<Row> {
         None => text.extend(std::iter::repeat_n(',', empty)),
     }
     text.push('\n');
-    Some(Row { text, outcome })
+    Some(Row { text, outcome, series })
 }
 
-/// The end of a world, or an error if it is not finite.
-fn run(sweep: &Sweep, world: VariedWorld) -> Option<Result<End, ()>> {
+/// The end of a world, or an error if it is not finite; `lines` are those of its time series.
+fn run(sweep: &Sweep, (index, world): (u64, VariedWorld), lines: &mut String) -> Option<Result<End, ()>> {
     let VariedWorld { mut trial, steps } = world;
     let order = BodyOrder::of(&trial.world);
     let Ok(mut drift) = Drift::start(&trial.world, trial.simulation.settings(), &order) else { return Some(Err(())) };
     let mut observation = Observation::start(sweep.observables(), sweep.until(), &trial, &order);
-    all_steps(&mut trial, steps, &mut observation, &order)?;
+    let mut series = Series::start(sweep, index, &trial, &order);
+    all_steps(&mut trial, steps, (&mut observation, series.as_mut()), &order)?;
+    if let Some(series) = series {
+        *lines = series.finish(&trial, &order);
+    }
     if drift.sample(&trial.world, trial.simulation.settings(), &order).is_err() {
         return Some(Err(()));
     }
@@ -100,14 +108,22 @@ fn run(sweep: &Sweep, world: VariedWorld) -> Option<Result<End, ()>> {
 
 /// Takes all steps, as many at once as fill the time between two looks at Ctrl-C; `None` if it
 /// came.
-fn all_steps(trial: &mut Trial, steps: u64, observation: &mut Observation<'_>, order: &BodyOrder) -> Option<()> {
+fn all_steps(
+    trial: &mut Trial,
+    steps: u64,
+    (observation, mut series): (&mut Observation<'_>, Option<&mut Series>),
+    order: &BodyOrder,
+) -> Option<()> {
     let mut at_once = 1_u32;
     while trial.simulation.steps() < steps {
         if interrupt::asked() {
             return None;
         }
-        if observation.needs_every_step() {
+        if observation.needs_every_step() || series.is_some() {
             trial.step_many(1);
+            if let Some(series) = &mut series {
+                series.see(trial, order);
+            }
             if observation.see(trial, order) {
                 break;
             }

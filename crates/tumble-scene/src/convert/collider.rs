@@ -100,7 +100,7 @@ fn field(error: &ColliderError) -> String {
 }
 
 /// The surface, with the engine's defaults for what is not said of it.
-fn material(model: &ColliderModel, problems: &mut Vec<FieldError>) -> Option<Material> {
+pub(crate) fn material(model: &ColliderModel, problems: &mut Vec<FieldError>) -> Option<Material> {
     let before = problems.len();
     let usual = Material::default();
     if model.friction.is_some() {

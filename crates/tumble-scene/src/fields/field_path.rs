@@ -50,7 +50,7 @@ const OF_A_SCENE: &str = "gravity.0 to gravity.2, dt, steps, substeps, contact_s
 const OF_A_BODY: &str = "mass, density, gravity_scale, position.I, orientation.I, orientation.angle, orientation.axis.I, linear_velocity.I, \
      angular_velocity.I, center_of_mass.I, inertia.principal.I, inertia.axes.I, inertia.tensor.I.J, shape.FIELD, collider.FIELD and forces.I.FIELD";
 
-const OF_A_JOINT: &str = "KIND.at.I, KIND.to.I, KIND.axis.I, limits.AXIS.BOUND, limits.cone.half_angles.I, \
+const OF_A_JOINT: &str = "position (of glTF and URDF), KIND.at.I, KIND.to.I, KIND.axis.I, limits.AXIS.BOUND, limits.cone.half_angles.I, \
      drives.I.FIELD, friction.AXIS, break.force and break.torque";
 
 impl FieldPath {
@@ -175,7 +175,8 @@ impl FieldPath {
         Ok(())
     }
 
-    fn segments(&self) -> Vec<&str> {
+    /// What follows the owner.
+    pub(crate) fn segments(&self) -> Vec<&str> {
         self.segments.iter().map(String::as_str).collect()
     }
 

@@ -11,6 +11,7 @@ use crate::values::axes;
 /// need not.
 pub(crate) fn in_joint<'a>(joint: &'a mut JointModel, path: &[&str]) -> Option<&'a mut f64> {
     match path {
+        ["position"] => joint.position.as_mut(),
         ["limits", rest @ ..] => in_limits(joint.limits.as_deref_mut()?, rest),
         ["drives", index, field] => in_drive(element(&mut joint.drives, index)?, field),
         ["friction", axis] => in_friction(joint.friction.get_or_insert_default(), axis),

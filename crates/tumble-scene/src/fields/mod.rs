@@ -2,6 +2,7 @@
 
 pub(crate) mod body_path;
 pub(crate) mod field_path;
+pub(crate) mod file_scene;
 pub(crate) mod force_path;
 pub(crate) mod joint_path;
 pub(crate) mod scene_template;

@@ -4,17 +4,20 @@ use std::path::{Path, PathBuf};
 
 use tumble::Integrator;
 use tumble::math::Real;
-use tumble_import::{FieldError, one_line, read_text};
+use tumble_import::{FieldError, InertiaRepairs, MAX_FILE_BYTES, MeshFormat, one_line, read_bytes, read_text};
 
 use crate::bodies::scene_body::SceneBody;
 use crate::bodies::scene_joints::SceneJoints;
 use crate::builtin::contact_scenes;
-use crate::error::SceneError;
+use crate::error::{SceneError, invalid};
 use crate::fields::field_path::{FieldPath, Owner};
+use crate::fields::file_scene::FileScene;
 use crate::fields::varied_scene::VariedScene;
 use crate::model::parse::{Format, parse};
 use crate::model::scene_model::SceneModel;
-use crate::scene::{Scene, is_path, unknown};
+use crate::scene::{Scene, is_path, is_urdf, settings, unknown};
+use crate::values::checked::double_vector;
+use crate::values::tuple::Tuple;
 use crate::{builtin, convert};
 
 /// How long a world is run.
@@ -78,25 +81,60 @@ pub struct SceneTemplate {
     pub(crate) model: SceneModel,
     pub(crate) bodies: Vec<SceneBody>,
     pub(crate) joints: SceneJoints,
+    /// Of a glTF or URDF file.
+    pub(crate) of_file: Option<FileScene>,
     hash: u64,
     files: Vec<PathBuf>,
 }
 
 impl SceneTemplate {
-    /// Opens a `.json` or `.ron` file or a built-in scene; names as in [`Scene::open`].
+    /// Opens a file or a built-in scene; names as in [`Scene::open`].
     ///
     /// # Errors
     /// [`SceneError`], whose message names file, body and field;
-    /// [`Generated`](SceneError::Generated) for a scene that has no fields.
+    /// [`Generated`](SceneError::Generated) for a scene that has no fields. A glTF file of which
+    /// [`Scene::open`] leaves a body out is refused.
     pub fn open(name_or_path: &str, overrides: RunOverrides) -> Result<Self, SceneError> {
+        Self::open_with(name_or_path, overrides, InertiaRepairs::Refused)
+    }
+
+    /// As [`open`](Self::open), where moments of inertia may be repaired as by
+    /// [`Scene::load_with`].
+    ///
+    /// # Errors
+    /// As [`open`](Self::open).
+    pub fn open_with(name_or_path: &str, overrides: RunOverrides, repairs: InertiaRepairs) -> Result<Self, SceneError> {
+        let path = Path::new(name_or_path);
+        if is_path(name_or_path) && (MeshFormat::of_path(path) == Some(MeshFormat::Gltf) || is_urdf(path)) {
+            return Self::of_file(Scene::load_with(path, repairs)?, overrides);
+        }
         let (mut model, text_hash) = scene_model(name_or_path)?;
         apply(&overrides, &mut model);
         let scene = Scene::from_model(&model, name_or_path)?;
         let hash = text_hash ^ model.meshes_hash;
         let own_file = is_path(name_or_path).then(|| PathBuf::from(name_or_path));
         let files = own_file.into_iter().chain(std::mem::take(&mut model.files)).collect();
-        let (bodies, joints) = scene.into_bodies();
-        Ok(Self { origin: name_or_path.to_owned(), overrides, model, bodies, joints, hash, files })
+        let (bodies, joints, ..) = scene.into_bodies();
+        Ok(Self { origin: name_or_path.to_owned(), overrides, model, bodies, joints, of_file: None, hash, files })
+    }
+
+    fn of_file(mut scene: Scene, overrides: RunOverrides) -> Result<Self, SceneError> {
+        if !scene.left_out.is_empty() {
+            return Err(scene.left_out.swap_remove(0));
+        }
+        let gravity = Tuple(double_vector(scene.settings.gravity));
+        let mut model = SceneModel { gravity: Some(gravity), steps: Some(scene.steps), ..SceneModel::default() };
+        apply(&overrides, &mut model);
+        let (origin, files) = (scene.origin.clone(), std::mem::take(&mut scene.files));
+        settings(&model).map_err(|error| invalid(&origin, None, error))?;
+        let mut hash = FNV_BASIS;
+        for file in &files {
+            hash = fnv1a(hash, &read_bytes(file, MAX_FILE_BYTES)?);
+        }
+        let (bodies, joints, file_joints, names) = scene.into_bodies();
+        let file = FileScene::new(&bodies, &names, file_joints);
+        file.fill(&mut model);
+        Ok(Self { origin, overrides, model, bodies, joints, of_file: Some(file), hash, files })
     }
 
     /// The field of that path. Whether the scene has the number is found by
@@ -114,6 +152,7 @@ impl SceneTemplate {
     /// [`FieldError`] with what there may be.
     pub fn check(&self, field: &FieldPath) -> Result<(), FieldError> {
         let SceneModel { bodies, joints, .. } = &self.model;
+        self.of_file.as_ref().map_or(Ok(()), |file| file.check(field))?;
         match field.owner() {
             Owner::Body(index) => bodies.get(index).map_or(Ok(()), |body| field.set_in_body(&mut body.clone(), 0.0)),
             Owner::Joint(index) => {
@@ -150,7 +189,7 @@ impl SceneTemplate {
 
 /// The scene, and a hash of its text; of one that is made, of what it is made of.
 fn scene_model(name: &str) -> Result<(SceneModel, u64), SceneError> {
-    let parsed = |text: &str, format| Ok((parse(text, format, name)?, fnv1a(text)));
+    let parsed = |text: &str, format| Ok((parse(text, format, name)?, fnv1a(FNV_BASIS, text.as_bytes())));
     if is_path(name) {
         let path = Path::new(name);
         let format = Format::of_path(path).ok_or_else(|| SceneError::UnknownFormat { file: one_line(name) })?;
@@ -163,7 +202,7 @@ fn scene_model(name: &str) -> Result<(SceneModel, u64), SceneError> {
         (Some(text), _) => parsed(text, Format::Json),
         (None, Some(scene)) => {
             let model = scene.model(None, None);
-            let hash = fnv1a(&format!("{model:?}"));
+            let hash = fnv1a(FNV_BASIS, format!("{model:?}").as_bytes());
             Ok((model, hash))
         }
         (None, None) => Err(unknown(name)),
@@ -183,7 +222,10 @@ fn apply(overrides: &RunOverrides, model: &mut SceneModel) {
     }
 }
 
-/// 64-bit FNV-1a of a text.
-fn fnv1a(text: &str) -> u64 {
-    text.bytes().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+/// What a hash begins with.
+const FNV_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
+
+/// 64-bit FNV-1a of some bytes, after those that `hash` is of.
+fn fnv1a(hash: u64, bytes: &[u8]) -> u64 {
+    bytes.iter().fold(hash, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }

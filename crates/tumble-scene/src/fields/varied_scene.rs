@@ -13,6 +13,7 @@ use crate::convert;
 use crate::convert::forces::Others;
 use crate::error::{SceneError, invalid};
 use crate::fields::field_path::{FieldPath, Owner};
+use crate::fields::file_scene::FileScene;
 use crate::fields::scene_template::{RunLength, RunOverrides, SceneTemplate};
 use crate::limits::steps_of_duration;
 use crate::model::joint_model::JointModel;
@@ -43,6 +44,7 @@ pub struct VariedScene {
     head: SceneModel,
     bodies: Vec<SceneBody>,
     joints: SceneJoints,
+    of_file: Option<FileScene>,
     /// The bodies in which something varies, and those with a spring whose length that changes.
     varied_bodies: BTreeMap<usize, BodyModel>,
     /// The other bodies to which springs of those lead.
@@ -76,7 +78,7 @@ pub struct VariedWorld {
 
 impl VariedScene {
     pub(crate) fn new(template: SceneTemplate, fields: Vec<FieldPath>) -> Self {
-        let SceneTemplate { origin, overrides, model, bodies, joints, .. } = template;
+        let SceneTemplate { origin, overrides, model, bodies, joints, of_file, .. } = template;
         let by_name = convert::indices(&model.bodies);
         let (varied_bodies, neighbours) = varied_bodies(&fields, &model.bodies, &by_name);
         let (varied_joints, joint_ends) = varied_joints(&fields, &model.joints, &joints.joints);
@@ -87,6 +89,7 @@ impl VariedScene {
             head,
             bodies,
             joints,
+            of_file,
             varied_bodies,
             neighbours,
             by_name,
@@ -124,15 +127,32 @@ impl VariedScene {
         }
         let (settings, steps) = settings(&head).map_err(|error| invalid(file, None, error))?;
         let steps = self.steps(&settings, steps).map_err(|error| invalid(file, None, error))?;
+        let world = match &self.of_file {
+            Some(of_file) => of_file
+                .world(&self.bodies, &varied_bodies, &varied_joints)
+                .map_err(|error| invalid(file, None, error))?,
+            None => self.world(&varied_bodies, &varied_joints)?,
+        };
+        let refused = |error: SettingsError| invalid(file, None, FieldError::new(error.field(), error));
+        let trial = Trial::new(settings, world).map_err(refused)?;
+        Ok(VariedWorld { trial, steps })
+    }
+
+    fn world(
+        &self,
+        varied_bodies: &BTreeMap<usize, BodyModel>,
+        varied_joints: &BTreeMap<usize, JointModel>,
+    ) -> Result<World, SceneError> {
+        let file = &self.origin;
         let find = |index: usize| varied_bodies.get(&index).or_else(|| self.neighbours.get(&index));
         let others = Others { by_name: &self.by_name, model: &find };
         let mut remade = BTreeMap::new();
-        for (&index, model) in &varied_bodies {
+        for (&index, model) in varied_bodies {
             let body = convert::body(model, index, others);
             remade.insert(index, body.map_err(|problems| impossible(file, index, model, problems))?);
         }
         let mut remade_joints = BTreeMap::new();
-        for (&index, model) in &varied_joints {
+        for (&index, model) in varied_joints {
             let joint = convert::joints::joint(model, &|name| self.joint_ends.get(name).copied());
             let inside = |error: FieldError| invalid(file, None, error.inside(&format!("joints[{index}]")));
             remade_joints.insert(index, joint.map_err(inside)?);
@@ -142,9 +162,7 @@ impl VariedScene {
         let bodies = SceneBody::spawn_all(bodies, &mut world);
         let spawned = self.joints.spawn_with(&remade_joints, &bodies, &mut world);
         spawned.map_err(|error| invalid(file, None, error))?;
-        let refused = |error: SettingsError| invalid(file, None, FieldError::new(error.field(), error));
-        let trial = Trial::new(settings, world).map_err(refused)?;
-        Ok(VariedWorld { trial, steps })
+        Ok(world)
     }
 
     fn steps(&self, settings: &Settings, of_scene: u64) -> Result<u64, FieldError> {
@@ -187,11 +205,13 @@ fn varied_joints(
     let (mut varied, mut ends) = (BTreeMap::new(), HashMap::new());
     for field in fields {
         let Owner::Joint(index) = field.owner() else { continue };
-        if let (Some(model), Some(joint)) = (models.get(index), joints.get(index)) {
+        let Some(model) = models.get(index) else { continue };
+        // Joints of a file of others find their bodies by index.
+        if let Some(joint) = joints.get(index) {
             let names = model.between.iter().flat_map(|between| between.0.iter().cloned());
             ends.extend(names.zip(joint.bodies));
-            varied.insert(index, model.clone());
         }
+        varied.insert(index, model.clone());
     }
     (varied, ends)
 }

@@ -6,7 +6,7 @@ use crate::model::scene_model::Groups;
 use crate::values::tuple::Triple;
 
 /// What is left out has the default of [`tumble::Material`].
-#[derive(Clone, Debug, Default, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields, rename = "Collider", expecting = "a collider with named fields")]
 pub(crate) struct ColliderModel {
     /// Both coefficients at once.

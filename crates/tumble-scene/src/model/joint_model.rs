@@ -26,6 +26,9 @@ pub(crate) struct JointModel {
     pub(crate) friction: Option<Box<FrictionModel>>,
     #[serde(rename = "break")]
     pub(crate) breaks: Option<Box<BreakModel>>,
+    /// How far a joint of a file of others is along or about its one free axis \[m\] \[rad\].
+    #[serde(skip)]
+    pub(crate) position: Option<f64>,
 }
 
 /// A point of the world, and the axis where the kind has one.

@@ -11,7 +11,7 @@ use crate::limits::MAX_DRIVES;
 use crate::values::tuple::{List, Tuple};
 
 /// How far it goes along and about each axis.
-#[derive(Clone, Debug, Default, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields, rename = "Limits", expecting = "limits with named fields")]
 pub(crate) struct LimitsModel {
     pub(crate) linear_x: Option<LimitModel>,
@@ -58,7 +58,7 @@ pub(crate) enum ModeModel {
 }
 
 /// A motor, a servo or a spring.
-#[derive(Clone, Debug, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields, rename = "Drive", expecting = "a drive with named fields")]
 pub(crate) struct DriveModel {
     #[serde(default, deserialize_with = "axes")]
@@ -95,7 +95,7 @@ pub(crate) enum AxisModel {
 }
 
 /// The greatest force or torque along and about each axis.
-#[derive(Clone, Debug, Default, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields, rename = "Friction", expecting = "friction with named fields")]
 pub(crate) struct FrictionModel {
     pub(crate) linear_x: Option<f64>,

@@ -370,11 +370,11 @@ impl Scene {
         bodies.iter().enumerate().flat_map(|(index, body)| body.pieces.iter().map(move |collider| (index, collider)))
     }
 
-    /// The bodies and joints of a scene that lists them.
-    pub(crate) fn into_bodies(self) -> (Vec<SceneBody>, SceneJoints) {
+    /// The bodies, joints and names of a scene that lists them.
+    pub(crate) fn into_bodies(self) -> (Vec<SceneBody>, SceneJoints, FileJoints, Vec<String>) {
         match self.bodies {
-            Bodies::Listed { bodies, joints, .. } => (bodies, joints),
-            Bodies::Stress { .. } => (Vec::new(), SceneJoints::default()),
+            Bodies::Listed { bodies, joints, file_joints, names } => (bodies, joints, file_joints, names),
+            Bodies::Stress { .. } => Default::default(),
         }
     }
 

@@ -1,0 +1,159 @@
+//! Time series of a sweep: where the reported bodies are on the way, in one file for all worlds.
+
+use std::fmt::Write as _;
+use std::fs::{File, OpenOptions};
+use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+
+use tumble::{BodyOrder, Pose, Trial, Velocity};
+use tumble_record::{COLUMNS, csv_cell, state_numbers};
+
+use crate::failure::Failure;
+use crate::sweep::Sweep;
+use crate::sweep::identity::SweepIdentity;
+
+/// What the first line begins with; readers of CSV take it for a comment.
+const BEFORE_IDENTITY: &str = "# tumble series ";
+
+/// The states of the reported bodies of one world, as lines of the file.
+pub(crate) struct Series {
+    every: u64,
+    /// World and names, as they stand in the file.
+    world: u64,
+    bodies: Vec<(usize, String)>,
+    last: Option<u64>,
+    text: String,
+}
+
+impl Series {
+    /// That of a world, if the sweep has any; begins with the state at the start.
+    pub(crate) fn start(sweep: &Sweep, world: u64, trial: &Trial, order: &BodyOrder) -> Option<Self> {
+        let every = sweep.plan().series?.get();
+        let names = sweep.reported_names().iter().map(|name| quoted(&csv_cell(name)));
+        let bodies = sweep.reported().iter().copied().zip(names).collect();
+        let mut series = Self { every, world, bodies, last: None, text: String::new() };
+        series.write(trial, order);
+        Some(series)
+    }
+
+    /// Sees a step that was just done.
+    pub(crate) fn see(&mut self, trial: &Trial, order: &BodyOrder) {
+        if trial.simulation.steps().is_multiple_of(self.every) {
+            self.write(trial, order);
+        }
+    }
+
+    /// The lines, with the last state whichever step it is of.
+    pub(crate) fn finish(mut self, trial: &Trial, order: &BodyOrder) -> String {
+        if self.last != Some(trial.simulation.steps()) {
+            self.write(trial, order);
+        }
+        self.text
+    }
+
+    fn write(&mut self, trial: &Trial, order: &BodyOrder) {
+        let (step, time) = (trial.simulation.steps(), trial.simulation.time());
+        self.last = Some(step);
+        for (body, name) in &self.bodies {
+            let entity = order.entities().get(*body).and_then(|entity| trial.world.entity(*entity).ok());
+            let Some((entity, pose)) = entity.and_then(|entity| Some((entity, *entity.get::<&Pose>()?))) else {
+                continue;
+            };
+            // Writing to a string cannot fail.
+            let _ = write!(self.text, "{},{step},{time:?},{name}", self.world);
+            for number in state_numbers(&pose, entity.get::<&Velocity>().as_deref()) {
+                let _ = write!(self.text, ",{number:?}");
+            }
+            self.text.push('\n');
+        }
+    }
+}
+
+/// The file of the time series, in the order of the worlds.
+pub(crate) struct SeriesFile {
+    path: PathBuf,
+    file: File,
+}
+
+impl SeriesFile {
+    /// Makes the file, or goes on with it at a world; what is there of that and later worlds is cut
+    /// off.
+    pub(crate) fn open(path: &Path, identity: &SweepIdentity, begins: bool, world: u64) -> Result<Self, Failure> {
+        let opening = |error: io::Error| Failure::opening(path, &error);
+        let head = head(identity).map_err(opening)?;
+        let there = path.metadata().ok();
+        let refused = |problem: &str| Err(Failure::Input(format!("{}: {problem}", path.display())));
+        if there.as_ref().is_some_and(|there| !there.is_file()) {
+            return refused("is not a regular file");
+        }
+        if there.is_none() && !begins {
+            return refused("is not there, and the sweep has worlds already whose series it had");
+        }
+        let mut file =
+            OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path).map_err(opening)?;
+        let kept = match cut(&file, &head, world).map_err(opening)? {
+            Some(kept) => kept,
+            None if begins && is_ours(&file).map_err(opening)? => 0,
+            None => return refused("is there already and is not the series of this sweep"),
+        };
+        file.set_len(kept).map_err(opening)?;
+        file.seek(SeekFrom::End(0)).map_err(opening)?;
+        if kept == 0 {
+            file.write_all(head.as_bytes()).map_err(opening)?;
+        }
+        Ok(Self { path: path.to_owned(), file })
+    }
+
+    /// Appends the lines of a world, before its row is written.
+    pub(crate) fn append(&mut self, lines: &str) -> Result<(), Failure> {
+        self.file.write_all(lines.as_bytes()).map_err(|error| Failure::writing(&self.path, &error))
+    }
+
+    /// Waits until all is on the disk.
+    pub(crate) fn finish(self) -> Result<(), Failure> {
+        self.file.sync_all().map_err(|error| Failure::writing(&self.path, &error))
+    }
+}
+
+/// As a field of CSV.
+fn quoted(name: &str) -> String {
+    if name.contains([',', '"', '\r', '\n']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
+}
+
+/// The two lines that the file begins with.
+fn head(identity: &SweepIdentity) -> io::Result<String> {
+    Ok(format!("{BEFORE_IDENTITY}{}\nworld,{}\n", serde_json::to_string(identity)?, COLUMNS.join(",")))
+}
+
+/// Bytes of the head and of the whole lines of worlds before this one; none where the head is
+/// another.
+fn cut(mut file: &File, head: &str, world: u64) -> io::Result<Option<u64>> {
+    file.rewind()?;
+    let mut reader = BufReader::with_capacity(1 << 16, file);
+    let (mut kept, mut line) = (0, Vec::new());
+    for expected in head.split_inclusive('\n') {
+        line.clear();
+        reader.read_until(b'\n', &mut line)?;
+        if line != expected.as_bytes() {
+            return Ok(None);
+        }
+        kept += line.len() as u64;
+    }
+    loop {
+        line.clear();
+        reader.read_until(b'\n', &mut line)?;
+        let number = line.split(|byte| *byte == b',').next().and_then(|world| std::str::from_utf8(world).ok());
+        match number.and_then(|number| number.parse::<u64>().ok()) {
+            Some(number) if number < world && line.ends_with(b"\n") => kept += line.len() as u64,
+            _ => return Ok(Some(kept)),
+        }
+    }
+}
+
+/// Whether it is empty, or the series of any sweep.
+fn is_ours(mut file: &File) -> io::Result<bool> {
+    file.rewind()?;
+    let mut begun = Vec::new();
+    file.take(BEFORE_IDENTITY.len() as u64).read_to_end(&mut begun)?;
+    Ok(begun.is_empty() || begun == BEFORE_IDENTITY.as_bytes())
+}
