@@ -34,6 +34,7 @@ mod pick;
 mod picture;
 mod playback;
 mod readout;
+mod sliders;
 mod timing;
 mod trails;
 mod tuning;

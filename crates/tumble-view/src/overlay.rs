@@ -12,6 +12,7 @@ use tumble::glam::DVec2;
 use crate::glyphs::{FONT, written};
 use crate::layers::{LAYERS, Layer, Layers};
 use crate::readout::Row;
+use crate::sliders::{Panel, Slider};
 use crate::timing::{FRAMES, FrameTime, FrameTimes, PARTS};
 
 /// From one letter to the next, in sizes of the font.
@@ -19,9 +20,11 @@ const ADVANCE: f32 = 0.6;
 const SIZE: f32 = 14.0;
 const LABEL: f32 = 13.0;
 const TITLE: f32 = 20.0;
-const LINE: f32 = 18.0;
+/// From one letter of a panel to the next.
+pub(crate) const LETTER: f32 = ADVANCE * SIZE;
+pub(crate) const LINE: f32 = 18.0;
 const MARGIN: f32 = 14.0;
-const PADDING: f32 = 10.0;
+pub(crate) const PADDING: f32 = 10.0;
 /// Letters of a row's name and of the longest name that is shown.
 const NAME: usize = 14;
 const LONGEST: usize = 48;
@@ -29,10 +32,11 @@ const LONGEST: usize = 48;
 const BRIGHT: [f32; 4] = [0.93, 0.95, 0.97, 1.0];
 const PLAIN: [f32; 4] = [0.78, 0.81, 0.86, 1.0];
 const DIM: [f32; 4] = [0.50, 0.54, 0.61, 1.0];
+const GROOVE: [f32; 4] = [0.3, 0.33, 0.38, 1.0];
 const PANEL: [f32; 4] = [0.03, 0.04, 0.06, 0.62];
 
 /// Keys that are not those of layers.
-pub(crate) const KEYS: [(&str, &str); 14] = [
+pub(crate) const KEYS: [(&str, &str); 15] = [
     ("space", "pause"),
     (". ,", "step, step back"),
     ("+ -", "faster, slower"),
@@ -42,6 +46,7 @@ pub(crate) const KEYS: [(&str, &str); 14] = [
     ("Shift drag", "grab and throw"),
     ("O", "shoot a ball"),
     ("arrows", "change settings"),
+    ("P, drag", "settings by sliders"),
     ("C", "camera: follow, stay"),
     ("drag", "turn"),
     ("right drag", "shift"),
@@ -52,7 +57,7 @@ pub(crate) const KEYS: [(&str, &str); 14] = [
 /// Of the legend, with a blank one between the layers and the other keys.
 const ROWS: usize = LAYERS.len() + 1 + KEYS.len();
 /// Of the legend.
-const LEGEND_WIDTH: f32 = 2.0 * PADDING + 31.0 * ADVANCE * SIZE;
+const LEGEND_WIDTH: f32 = 2.0 * PADDING + 31.0 * LETTER;
 /// Where what is not at an edge begins.
 const BESIDE: f32 = 2.0 * MARGIN + LEGEND_WIDTH;
 /// A frame in the graph is so wide, and a millisecond so high, up to the most that are seen.
@@ -76,12 +81,21 @@ pub(crate) struct Overlay {
     pub(crate) status: String,
     pub(crate) layers: Layers,
     pub(crate) ledger: Vec<Row>,
-    pub(crate) settings: Vec<Row>,
+    pub(crate) settings: Vec<Slider>,
     pub(crate) body: Vec<Row>,
     pub(crate) labels: Vec<Label>,
     /// What went wrong.
     pub(crate) notice: Option<String>,
     pub(crate) times: FrameTimes,
+}
+
+impl Overlay {
+    /// Where the sliders are in a picture of this size in points, if they are shown.
+    pub(crate) fn panel(&self, size: DVec2) -> Option<Panel> {
+        let below = if self.ledger.is_empty() { 0.0 } else { Pen::height(self.ledger.len()) + MARGIN };
+        let panel = Panel::new(size.x as f32 - MARGIN, MARGIN + below, self.settings.len());
+        (panel.rows > 0).then_some(panel)
+    }
 }
 
 /// Writes with the window's font.
@@ -138,8 +152,9 @@ impl Writer {
         }
         let [right, bottom] = [size.x, size.y].map(|edge| edge as f32 - MARGIN);
         pen.table(&overlay.ledger, right, MARGIN);
-        let below = if overlay.ledger.is_empty() { 0.0 } else { Pen::height(overlay.ledger.len()) + MARGIN };
-        pen.table(&overlay.settings, right, MARGIN + below);
+        if let Some(panel) = overlay.panel(size) {
+            pen.sliders(&overlay.settings, &panel);
+        }
         if overlay.layers.has(Layer::Times) && overlay.times.frames().len() > 0 {
             let left = if overlay.layers.has(Layer::Legend) { BESIDE } else { MARGIN };
             pen.times(&overlay.times, left, bottom);
@@ -189,7 +204,7 @@ impl Pen<'_> {
             let [red, green, blue] = info.color;
             let color = if on { [red, green, blue, 1.0] } else { DIM };
             self.text(x, y, SIZE, if on { BRIGHT } else { DIM }, &info.letter.to_string());
-            draw_rectangle(x + 18.0, y - 6.0, 12.0, 3.0, Color::from(if on { color } else { [0.3, 0.33, 0.38, 1.0] }));
+            draw_rectangle(x + 18.0, y - 6.0, 12.0, 3.0, Color::from(if on { color } else { GROOVE }));
             self.text(x + 38.0, y, SIZE, if on { color } else { DIM }, info.title);
             y += LINE;
         }
@@ -204,7 +219,7 @@ impl Pen<'_> {
     fn keys(&self, x: f32, mut y: f32) {
         for (key, what) in KEYS {
             self.text(x, y, SIZE, PLAIN, key);
-            self.text(x + 11.0 * ADVANCE * SIZE, y, SIZE, DIM, what);
+            self.text(x + 11.0 * LETTER, y, SIZE, DIM, what);
             y += LINE;
         }
     }
@@ -212,7 +227,7 @@ impl Pen<'_> {
     /// The graph of the last frames, with the means of its parts beside.
     fn times(&self, times: &FrameTimes, left: f32, bottom: f32) {
         let (graph, high) = (FRAMES as f32 * BAR, MAX_MILLISECONDS * MILLISECOND);
-        let figures = 19.0 * ADVANCE * SIZE;
+        let figures = 19.0 * LETTER;
         let height = Self::height(PARTS.len() + 1).max(high + 2.0 * PADDING);
         let top = bottom - height;
         self.panel(left, top, graph + figures + 3.0 * PADDING, height);
@@ -241,10 +256,33 @@ impl Pen<'_> {
     fn notice(&self, text: &str) {
         let lines = in_lines(text);
         let widest = lines.iter().map(|line| line.chars().count()).max().unwrap_or(0);
-        let width = 2.0 * PADDING + widest as f32 * ADVANCE * SIZE;
+        let width = 2.0 * PADDING + widest as f32 * LETTER;
         self.panel(BESIDE, MARGIN, width, Self::height(lines.len()));
         for (index, line) in lines.iter().enumerate() {
             self.text(BESIDE + PADDING, MARGIN + PADDING + 14.0 + LINE * index as f32, SIZE, ALARM, line);
+        }
+    }
+
+    /// Settings with a slider each; of the chosen one, the keys that change it.
+    fn sliders(&self, sliders: &[Slider], panel: &Panel) {
+        self.panel(panel.left, panel.top, Panel::WIDTH, panel.height());
+        let [left, right] = panel.track();
+        for (row, slider) in sliders.iter().enumerate() {
+            let (top, thumb) = (panel.row(row), panel.across(slider.place));
+            let [name, value] = if slider.is_chosen { [BRIGHT; 2] } else { [DIM, PLAIN] };
+            let text = |letters: f32, color: [f32; 4], text: &str| {
+                self.text(panel.column(letters), top + 14.0, SIZE, color, text);
+            };
+            text(0.0, name, slider.name);
+            text(35.0, value, &slider.value);
+            if slider.is_chosen {
+                text(14.0, BRIGHT, "<-");
+                text(32.0, BRIGHT, "->");
+            }
+            let middle = top + 9.0;
+            draw_rectangle(left, middle - 1.5, right - left, 3.0, Color::from(GROOVE));
+            draw_rectangle(left, middle - 1.5, thumb - left, 3.0, Color::from(DIM));
+            draw_rectangle(thumb - 3.5, middle - 6.0, 7.0, 12.0, Color::from(value));
         }
     }
 
@@ -257,14 +295,14 @@ impl Pen<'_> {
             if figure.is_empty() { shortened(name).chars().count() } else { NAME + figure.trim_end().chars().count() }
         };
         let widest = rows.iter().map(letters).max().unwrap_or(0).max(30);
-        let width = 2.0 * PADDING + widest as f32 * ADVANCE * SIZE;
+        let width = 2.0 * PADDING + widest as f32 * LETTER;
         let left = right - width;
         self.panel(left, top, width, Self::height(rows.len()));
         let (x, mut y) = (left + PADDING, top + PADDING + 14.0);
         for (name, figure) in rows {
             let color = if figure.is_empty() { BRIGHT } else { DIM };
             self.text(x, y, SIZE, color, &shortened(name));
-            self.text(x + NAME as f32 * ADVANCE * SIZE, y, SIZE, PLAIN, figure.trim_end());
+            self.text(x + NAME as f32 * LETTER, y, SIZE, PLAIN, figure.trim_end());
             y += LINE;
         }
     }

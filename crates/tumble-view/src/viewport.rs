@@ -344,7 +344,7 @@ impl Viewport {
             layers: self.layers,
             ledger: totals.map_or_else(Vec::new, |now| self.ledger(&now)),
             settings: if self.layers.has(Layer::Settings) {
-                self.tuning.rows(self.playback.simulation.settings())
+                self.tuning.sliders(self.playback.simulation.settings())
             } else {
                 Vec::new()
             },

@@ -19,6 +19,7 @@ use crate::layers::{LAYERS, Layer};
 use crate::options::Options;
 use crate::overlay::Writer;
 use crate::readout;
+use crate::sliders::{Grip, Panel};
 use crate::tuning::Change;
 use crate::viewport::{Canvas, Follow, Viewport};
 
@@ -28,9 +29,6 @@ const BUDGET: Duration = Duration::from_millis(12);
 const BOOKS: Duration = Duration::from_millis(100);
 /// A frame counts for at most this long \[s\]: a window that was dragged does not jump.
 const LONGEST_FRAME: f64 = 0.1;
-/// Speeds are powers of two, up to these.
-const SLOWEST: i32 = -6;
-const FASTEST: i32 = 6;
 /// Turning of the camera \[rad/point\], and its way with each notch of the wheel.
 const TURN: f64 = 0.007;
 const NOTCH: f64 = 0.12;
@@ -44,13 +42,14 @@ const NOTICE: Duration = Duration::from_secs(4);
 #[derive(Debug)]
 struct Controls {
     paused: bool,
-    /// As a power of two.
-    speed: i32,
     /// Simulated seconds to a second at speed 1.
     pace: f64,
     keeps_up: bool,
     mouse: DVec2,
     pressed_at: Option<DVec2>,
+    /// Where the sliders are in the last picture, and what is held of them.
+    panel: Option<Panel>,
+    grip: Option<Grip>,
     /// When the notice goes, if it does.
     notice_until: Option<Instant>,
 }
@@ -85,7 +84,7 @@ pub(crate) async fn show(
         controls.settings(&mut viewport);
         controls.mouse(&mut viewport, size);
         if !controls.paused {
-            let seconds = frame.min(LONGEST_FRAME) * controls.factor();
+            let seconds = frame.min(LONGEST_FRAME) * controls.factor(&viewport);
             controls.keeps_up = viewport.playback.advance(seconds, BUDGET);
         }
         let drawing = Instant::now();
@@ -93,6 +92,7 @@ pub(crate) async fn show(
         let status = controls.status(&viewport);
         let overlay = viewport.draw(&mut gpu, &mut renderer, &canvas, status);
         writer.draw(&overlay, size, 1.0);
+        controls.panel = overlay.panel(size);
         last = viewport.playback.times.take().map(|steps| (steps, drawing.elapsed()));
         next_frame().await;
     }
@@ -106,7 +106,16 @@ fn prepare(viewport: &mut Viewport) {
 
 impl Controls {
     fn new(paused: bool, pace: f64) -> Self {
-        Self { paused, speed: 0, pace, keeps_up: true, mouse: DVec2::ZERO, pressed_at: None, notice_until: None }
+        Self {
+            paused,
+            pace,
+            keeps_up: true,
+            mouse: DVec2::ZERO,
+            pressed_at: None,
+            panel: None,
+            grip: None,
+            notice_until: None,
+        }
     }
 
     /// Another scene, where one was asked for or its file has changed. One that cannot be opened is
@@ -121,8 +130,9 @@ impl Controls {
             None => return None,
         };
         match opened {
-            Ok((new, pace)) => {
+            Ok((mut new, pace)) => {
                 self.pace = pace;
+                new.tuning.keep_speed(&viewport.tuning);
                 Some(new)
             }
             Err(failure) => {
@@ -165,12 +175,12 @@ impl Controls {
     }
 
     /// Simulated seconds to a second.
-    fn factor(&self) -> f64 {
-        self.pace * 2.0_f64.powi(self.speed)
+    fn factor(&self, viewport: &Viewport) -> f64 {
+        self.pace * viewport.tuning.speed()
     }
 
     fn status(&self, viewport: &Viewport) -> String {
-        let speed = status(viewport.playback.time(), self.factor(), self.pace);
+        let speed = status(viewport.playback.time(), self.factor(viewport), self.pace);
         let note = match (self.paused, self.keeps_up) {
             (true, _) => "   paused",
             (false, false) => "   as fast as it goes",
@@ -199,20 +209,22 @@ impl Controls {
             }
         }
         if is_key_pressed(KeyCode::O)
-            && let Err(error) = viewport.shoot(self.mouse, size, self.factor())
+            && let Err(error) = viewport.shoot(self.mouse, size, self.factor(viewport))
         {
             self.notice(viewport, format!("No ball can be shot: {error}"));
         }
-        self.move_in_time(viewport)?;
+        Self::move_in_time(viewport)?;
         Self::pick_keys(viewport);
         view_keys(viewport, size);
         Ok(())
     }
 
-    fn move_in_time(&mut self, viewport: &mut Viewport) -> Result<(), Failure> {
-        let faster = is_key_pressed(KeyCode::Equal) || is_key_pressed(KeyCode::KpAdd);
-        let slower = is_key_pressed(KeyCode::Minus) || is_key_pressed(KeyCode::KpSubtract);
-        self.speed = (self.speed + i32::from(faster) - i32::from(slower)).clamp(SLOWEST, FASTEST);
+    fn move_in_time(viewport: &mut Viewport) -> Result<(), Failure> {
+        let faster = [KeyCode::Equal, KeyCode::KpAdd].map(|key| (key, Change::More));
+        let slower = [KeyCode::Minus, KeyCode::KpSubtract].map(|key| (key, Change::Less));
+        for change in [pressed(faster), pressed(slower)].into_iter().flatten() {
+            viewport.tuning.turn_speed(change);
+        }
         if is_key_pressed(KeyCode::R) {
             viewport.restart()?;
         }
@@ -243,9 +255,40 @@ impl Controls {
         let now = DVec2::new(f64::from(x), f64::from(y));
         let by = now - std::mem::replace(&mut self.mouse, now);
         if is_mouse_button_pressed(MouseButton::Left) {
+            self.grip = self.panel.and_then(|panel| panel.press(now));
+        }
+        match self.grip {
+            Some(grip) => self.slide(viewport, grip),
+            None => self.left_button(viewport, (now, by), size),
+        }
+        if !is_mouse_button_down(MouseButton::Left) {
+            self.grip = None;
+        }
+        if is_mouse_button_down(MouseButton::Right) || is_mouse_button_down(MouseButton::Middle) {
+            viewport.pan(by, size);
+        }
+        // Some systems count notches, others points.
+        let notches = f64::from(mouse_wheel().1).clamp(-3.0, 3.0);
+        if notches != 0.0 {
+            viewport.zoom((-NOTCH * notches).exp(), size);
+        }
+    }
+
+    /// Moves the slider that is held to where the mouse is.
+    fn slide(&mut self, viewport: &mut Viewport, grip: Grip) {
+        if let (Grip::Slider(row), Some(panel)) = (grip, self.panel)
+            && let Err(error) = viewport.slide(row, panel.place(self.mouse.x))
+        {
+            self.notice(viewport, error);
+        }
+    }
+
+    /// Turns the camera, picks and grabs.
+    fn left_button(&mut self, viewport: &mut Viewport, (now, by): (DVec2, DVec2), size: DVec2) {
+        if is_mouse_button_pressed(MouseButton::Left) {
             self.pressed_at = Some(now);
             if is_key_down(KeyCode::LeftShift) || is_key_down(KeyCode::RightShift) {
-                viewport.grab(now, size, self.factor());
+                viewport.grab(now, size, self.factor(viewport));
             }
         } else if is_mouse_button_down(MouseButton::Left) && !viewport.holds() {
             viewport.camera.turn(-TURN * by.x, TURN * by.y);
@@ -260,14 +303,6 @@ impl Controls {
             && self.pressed_at.take().is_some_and(|at| at.distance(now) <= CLICK)
         {
             pick(viewport, viewport.body_at(now, size));
-        }
-        if is_mouse_button_down(MouseButton::Right) || is_mouse_button_down(MouseButton::Middle) {
-            viewport.pan(by, size);
-        }
-        // Some systems count notches, others points.
-        let notches = f64::from(mouse_wheel().1).clamp(-3.0, 3.0);
-        if notches != 0.0 {
-            viewport.zoom((-NOTCH * notches).exp(), size);
         }
     }
 }

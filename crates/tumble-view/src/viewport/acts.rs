@@ -129,6 +129,12 @@ impl Viewport {
         self.tuning.turn(&mut self.playback, change)
     }
 
+    /// Moves the slider of a setting to a place from 0 to 1; why not, if the engine refuses it.
+    pub(crate) fn slide(&mut self, row: usize, place: f64) -> Result<(), String> {
+        self.books = None;
+        self.tuning.slide(&mut self.playback, row, place)
+    }
+
     /// Shows this scene as another was, with what is in both.
     pub(crate) fn keep_view_of(&mut self, other: &Self) {
         (self.camera, self.layers) = (other.camera, other.layers);
