@@ -99,6 +99,19 @@ pub fn dquat(value: Quat) -> glam::DQuat {
     glam::DQuat::from_xyzw(value.x.into(), value.y.into(), value.z.into(), value.w.into())
 }
 
+/// A vector turned, in the same operations on every machine: glam's for a quaternion of `f32`
+/// depend on what it has.
+#[inline]
+pub(crate) fn rotated(rotation: Quat, vector: Vec3) -> Vec3 {
+    tumble_math::lane::Quat::<Real>::from(rotation).rotate(vector.into()).into()
+}
+
+/// A product of rotations, in the same operations on every machine.
+#[inline]
+pub(crate) fn product(first: Quat, second: Quat) -> Quat {
+    (tumble_math::lane::Quat::<Real>::from(first) * tumble_math::lane::Quat::from(second)).into()
+}
+
 /// One body's vector in double precision.
 pub(crate) fn double(vector: tumble_math::lane::Vec3<Real>) -> glam::DVec3 {
     dvec3(vector.into())

@@ -53,7 +53,8 @@ pub(crate) fn vector(v: DVec3) -> Vec3 {
 }
 
 fn quat(q: DQuat) -> Quat {
-    Quat::from_xyzw(q.x as Real, q.y as Real, q.z as Real, q.w as Real).normalize()
+    let q = q.normalize();
+    Quat::from_xyzw(q.x as Real, q.y as Real, q.z as Real, q.w as Real)
 }
 
 /// The free axes of every kind of joint with a constructor.

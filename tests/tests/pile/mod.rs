@@ -5,9 +5,10 @@
 #![allow(dead_code, reason = "each test uses a part of it")]
 
 use hecs::{Entity, World};
-use tumble::math::{Quat, Real, Vec3, dquat};
+use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
 use tumble::{Amount, Collider, InertiaTensor, Material, Part, Rng};
+use tumble_tests::{dquat, quat};
 
 /// Of the random numbers of the plain pile.
 pub(crate) const SEED: u64 = 7;
@@ -50,6 +51,11 @@ pub(crate) fn spawn(world: &mut World, id: u64) -> Entity {
 }
 
 /// What falls, of the kind of its identity.
+/// A rotation that every machine rounds alike.
+fn unit(x: Real, y: Real, z: Real) -> Quat {
+    quat(dquat(Quat::from_xyzw(x, y, z, 1.0)))
+}
+
 fn spawn_falling(world: &mut World, mut rng: Rng, id: u64) -> Entity {
     let mut length = || f64::from(rng.range(0.15, 0.25));
     let shape = match id % 8 {
@@ -72,12 +78,12 @@ fn spawn_falling(world: &mut World, mut rng: Rng, id: u64) -> Entity {
         ..Material::new(rng.range(0.1, 0.9), 0.0)
     };
     let collider = Collider::new(&shape).unwrap().with_material(surface).unwrap();
-    let turned = Quat::from_xyzw(rng.range(-0.5, 0.5), rng.range(-0.5, 0.5), 0.0, 1.0).normalize();
+    let turned = unit(rng.range(-0.5, 0.5), rng.range(-0.5, 0.5), 0.0);
     let mut body = RigidBody::new(shape).id(BodyId(id)).position(at).orientation(turned);
     body = body.linear_velocity(rng.vector(-1.0, 1.0)).angular_velocity(rng.vector(-5.0, 5.0));
     if when(5) {
         // Neither centre nor axes are those of the shape.
-        let axes = dquat(Quat::from_xyzw(0.2, -0.1, 0.3, 1.0).normalize());
+        let axes = dquat(unit(0.2, -0.1, 0.3));
         let tensor = InertiaTensor::from_principal([0.4, 0.5, 0.6], axes).unwrap();
         body = body.mass(30.0).center_of_mass([0.02, -0.03, 0.01]).inertia(tensor);
     } else {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 use tumble_collide::{HeightField, Isometry, Mesh};
 use tumble_math::Shape;
+use tumble_math::lane::Quat;
 
 use crate::collision::collider_error::ColliderError;
 use crate::collision::collider_shape;
@@ -214,12 +215,12 @@ impl Collider {
     /// orientation not about a unit quaternion.
     #[doc(alias = "local pose")]
     pub fn with_offset(self, offset: Pose) -> Result<Self, ColliderError> {
-        let length = offset.orientation.length_squared();
+        let orientation = Quat::<Real>::from(offset.orientation);
+        let length = orientation.length_squared();
         if !within(offset.position.into(), *LENGTHS.end()) || !(0.5..2.0).contains(&length) {
             return Err(ColliderError::Offset { offset });
         }
-        let orientation = offset.orientation.normalize().into();
-        let offset = Isometry { position: offset.position.into(), orientation };
+        let offset = Isometry { position: offset.position.into(), orientation: orientation.normalize() };
         Ok(self.changed(|it| it.offset = Some(offset)))
     }
 

@@ -1,7 +1,7 @@
 //! The pose of a body, rigid transforms with it, and the previous pose for interpolation.
 
 use crate::components::CenterOfMass;
-use crate::math::{Mat3, Mat4, Quat, Real, Vec3};
+use crate::math::{Mat3, Mat4, Quat, Real, Vec3, product, rotated};
 use crate::rotation::{NotARotation, quat_from_matrix};
 
 /// Where a body is: the centre of mass and the orientation of its frame. Of a fixed or kinematic
@@ -65,14 +65,14 @@ impl Pose {
     /// axes.
     #[inline]
     pub fn transform_point(&self, point_body: Vec3) -> Vec3 {
-        self.position + self.orientation * point_body
+        self.position + rotated(self.orientation, point_body)
     }
 
     /// Coordinates relative to the centre of mass along the body's axes \[m\] of a point in the
     /// world.
     #[inline]
     pub fn inverse_transform_point(&self, point_world: Vec3) -> Vec3 {
-        self.orientation.conjugate() * (point_world - self.position)
+        rotated(self.orientation.conjugate(), point_world - self.position)
     }
 
     /// The origin of the body's own frame in the world \[m\]: where the centre of mass is not, if
@@ -132,7 +132,8 @@ impl Pose {
     }
 
     /// The pose at the fraction `alpha` of the way from `self` (0) to `next` (1): straight in
-    /// position, slerp in orientation. For rendering between two steps.
+    /// position, slerp in orientation. For rendering between two steps: its last bits are those of
+    /// glam on the machine.
     ///
     /// ```
     /// # use tumble::{Pose, math::{Quat, Vec3}};
@@ -155,7 +156,8 @@ impl std::ops::Mul for Pose {
     /// The pose in the world of something whose pose in the frame of `self` is `attached`.
     #[inline]
     fn mul(self, attached: Self) -> Self {
-        Self { position: self.transform_point(attached.position), orientation: self.orientation * attached.orientation }
+        let orientation = product(self.orientation, attached.orientation);
+        Self { position: self.transform_point(attached.position), orientation }
     }
 }
 

@@ -5,7 +5,7 @@ use tumble_math::lane::Vec3 as LaneVec3;
 use crate::components::Wrench;
 use crate::forces::force_context::ForceContext;
 use crate::integrators::state::{Constants, State};
-use crate::math::{Quat, Real, Vec3};
+use crate::math::{Quat, Real, Vec3, rotated};
 
 /// A force on a body that depends on its state, or on time.
 ///
@@ -169,17 +169,17 @@ impl<'a> BodyState<'a> {
     /// World coordinates \[m\] of a point given relative to the centre of mass along the body's
     /// axes.
     pub fn point_to_world(&self, point_body: Vec3) -> Vec3 {
-        self.position + self.orientation * point_body
+        self.position + rotated(self.orientation, point_body)
     }
 
     /// A direction of the body's frame in the world frame.
     pub fn to_world(&self, vector_body: Vec3) -> Vec3 {
-        self.orientation * vector_body
+        rotated(self.orientation, vector_body)
     }
 
     /// A direction of the world frame in the body's frame.
     pub fn to_body(&self, vector_world: Vec3) -> Vec3 {
-        self.orientation.conjugate() * vector_world
+        rotated(self.orientation.conjugate(), vector_world)
     }
 
     /// The wrench of a force \[N\] through the centre of mass and a torque [N m], both given in the

@@ -1,11 +1,12 @@
 //! A joint between two bodies.
 
+use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 
 use crate::components::Pose;
 use crate::joints::axes::Axes;
 use crate::joints::joint_error::JointError;
-use crate::math::{Quat, Real, Vec3};
+use crate::math::{Vec3, dquat, dvec3, quat};
 use crate::range::{MAX_DISTANCE_OF_CONTACTS, is_rotation, within};
 
 /// A joint: it locks some of the axes along and about which one body can move against another. It
@@ -119,11 +120,11 @@ impl Joint {
         if !(most > 0.0 && scaled.is_finite()) {
             return Err(JointError::Axis(a, b));
         }
-        let direction = scaled.normalize();
+        let direction = dvec3(scaled).normalize();
         // Half a turn about any axis across; glam would make it of the sine of the platform.
-        let is_opposite = direction.x <= -1.0 + 2.0 * Real::EPSILON;
-        let half_turn = Quat::from_xyzw(0.0, 0.0, 1.0, 0.0);
-        let orientation = if is_opposite { half_turn } else { Quat::from_rotation_arc(Vec3::X, direction) };
+        let is_opposite = direction.x <= -1.0 + 2.0 * f64::EPSILON;
+        let half_turn = DQuat::from_xyzw(0.0, 0.0, 1.0, 0.0);
+        let orientation = if is_opposite { half_turn } else { DQuat::from_rotation_arc(DVec3::X, direction) };
         self.with_frames_at(world, point, orientation)
     }
 
@@ -133,10 +134,10 @@ impl Joint {
     /// # Errors
     /// As [`at`](Self::at).
     pub fn at_point(self, world: &World, point: Vec3) -> Result<Self, JointError> {
-        self.with_frames_at(world, point, Quat::IDENTITY)
+        self.with_frames_at(world, point, DQuat::IDENTITY)
     }
 
-    fn with_frames_at(self, world: &World, point: Vec3, orientation: Quat) -> Result<Self, JointError> {
+    fn with_frames_at(self, world: &World, point: Vec3, orientation: DQuat) -> Result<Self, JointError> {
         let [a, b] = self.bodies;
         if a == b {
             return Err(JointError::SameBody(a));
@@ -148,7 +149,7 @@ impl Joint {
         }
         let frame = |body: Pose| Pose {
             position: body.inverse_transform_point(point),
-            orientation: (body.orientation.conjugate() * orientation).normalize(),
+            orientation: quat((dquat(body.orientation).conjugate() * orientation).normalize()),
         };
         Ok(Self { frames: [frame(first), frame(second)], ..self })
     }
