@@ -236,7 +236,7 @@ fn files_that_are_no_scenes() {
     refused("scene.json", b"{} trailing", &["trailing", "line 1"]);
     refused("scene.json", b"{ \"name\": \"\xff\" }", &["UTF-8", "offset 11"]);
     refused("scene.ron", b"(", &[""]);
-    refused("scene.txt", b"{}", &[".json or .ron"]);
+    refused("scene.txt", b"{}", &[".json, .ron, .gltf"]);
     refused("scene.json", "[".repeat(200_000).as_bytes(), &[""]);
     let deep = r#"{ "bodies": [ { "shape": "#.to_owned() + &r#"{"compound":{"parts":[{"shape":"#.repeat(5000);
     refused("scene.json", deep.as_bytes(), &["recursion limit"]);
