@@ -1,9 +1,9 @@
-//! Promise: what callers make of poses, and what reaches the state through them, has the same bits on
-//! every machine: points and poses taken from frame to frame, offsets of colliders, frames of joints,
-//! and vectors that a force law turns. The bits are pinned.
+//! Promise: what callers make of poses, and what reaches the state through them, has the same bits
+//! on every machine: points and poses taken from frame to frame, offsets of colliders, frames of
+//! joints, and vectors that a force law turns. The bits are pinned.
 //!
-//! Why: glam turns and normalises quaternions of `f32` with the instructions that the machine has, in
-//! an order of their own. A helper that is glam's goes unseen on one architecture.
+//! Why: glam turns and normalises quaternions of `f32` with the instructions that the machine has,
+//! in an order of their own. A helper that is glam's goes unseen on one architecture.
 
 use glam::DVec3;
 use hecs::World;

@@ -1,6 +1,6 @@
-//! Promise: the time series of a sweep are the states that a run of each world alone records, in one
-//! file with the same bytes for any number of threads and wherever the sweep was cut; glTF and URDF
-//! files are swept as scenes are.
+//! Promise: the time series of a sweep are the states that a run of each world alone records, in
+//! one file with the same bytes for any number of threads and wherever the sweep was cut; glTF and
+//! URDF files are swept as scenes are.
 //!
 //! It would fail if a step was missed or came twice, if the series and the rows of a killed sweep
 //! were of different worlds, or if the file of something else was cut.

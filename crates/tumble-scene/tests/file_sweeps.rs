@@ -1,6 +1,6 @@
-//! Promise: numbers of glTF and URDF files vary in sweeps as those of scenes do: a world has what the
-//! file says with these numbers written into it, a mechanism moves as one, and the joints of a robot
-//! begin where they are asked to. What such a file does not say cannot vary, and is refused by name.
+//! Promise: numbers of glTF and URDF files vary in sweeps as those of scenes do: a world has what
+//! the file says with these numbers written into it, a mechanism moves as one, and the joints of a
+//! robot begin where they are asked to. What such a file does not say is refused by name.
 //!
 //! Why: an arm that is posed about the wrong axis or in the wrong sense, or a mass that changes
 //! without its moments, still moves and looks right.
@@ -123,8 +123,8 @@ proptest! {
     }
 }
 
-/// A tree of links on a fixed root: of each link its parent, whether its joint slides, and where and
-/// along what its joint is.
+/// A tree of links: of each its parent, whether its joint slides, and where and along what its
+/// joint is.
 #[derive(Clone, Debug)]
 struct Link {
     parent: usize,

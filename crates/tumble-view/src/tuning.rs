@@ -86,8 +86,8 @@ impl Tuning {
         self.set(playback, knob, knob.next(now, change))
     }
 
-    /// Chooses a setting by its row and moves its slider to a place from 0 to 1, or to the stop next
-    /// to it; why not, if the engine refuses that.
+    /// Chooses a setting by its row and moves its slider to a place from 0 to 1, or to the next
+    /// stop; why not, if the engine refuses that.
     pub(crate) fn slide(&mut self, playback: &mut Playback, row: usize, place: f64) -> Result<(), String> {
         let Some(&knob) = KNOBS.get(row) else { return Ok(()) };
         self.chosen = row;
