@@ -30,7 +30,7 @@ impl Display for FirstRun<'_> {
         writeln!(f, "{rate:.0} million steps of one body a second.")?;
         writeln!(f, "Their energy is what it was at the start, to {:.0e} of it.", energy.max_relative_drift)?;
         writeln!(f, "Every run of this command ends in the same bits, of which the hash is {state_hash}.\n")?;
-        writeln!(f, "What to try next, from this folder:")?;
+        writeln!(f, "What to try next, from a clone of the repository:")?;
         for (command, what) in NEXT {
             writeln!(f, "  cargo run --release {command:<26} # {what}")?;
         }

@@ -113,9 +113,52 @@ fn what_is_no_series_of_the_sweep_is_refused_and_stays() {
         "is the file of another sweep: series: 1 is not 5",
     );
     place.refused(&sweep("out.csv", "other.csv", &[]), "other.csv: is not there, and the sweep has worlds already");
+    // Of six worlds of whose rows five are there.
+    let (rows, series) = (place.read("out.csv"), place.read("series.csv"));
+    let of_rows = rows.split_inclusive('\n').take(2 + 5).collect::<String>();
+    let without =
+        |world: &str| series.split_inclusive('\n').filter(|line| !line.starts_with(world)).collect::<String>();
+    let torn = series.split_inclusive('\n').take(2 + 52 * 4).collect::<String>() + "4,0,";
+    for (damaged, problem) in [
+        (without("2,"), "line 107 is damaged: it is not that of world 2"),
+        (without("4,"), "line 211 is damaged: it is not that of world 4"),
+        (series.replacen("\n3,", "\nx,", 1), "line 159 is damaged: it is not that of world 3"),
+        (torn, "line 211 is damaged: it is not that of world 4"),
+    ] {
+        place.write("cut.csv", &of_rows);
+        place.write("damaged.csv", &damaged);
+        place.refused(&sweep("cut.csv", "damaged.csv", &[]), problem);
+        assert!(place.read("damaged.csv") == damaged && place.read("cut.csv") == of_rows);
+    }
+    let held = std::fs::File::open(place.path("series.csv")).unwrap();
+    held.lock().unwrap();
+    place.refused(&sweep("out.csv", "series.csv", &[]), "series.csv: another tumble is writing to it");
+    drop(held);
     // An old series may be written over by a sweep that begins.
     place.succeed(&sweep("new.csv", "series.csv", &["--every", "25"]));
     assert_eq!(lines(&place.read("series.csv")).len(), 7 * 2 * 2);
+}
+
+/// It has a line too, so that a series is known to be whole.
+#[test]
+fn an_impossible_world_has_an_empty_line() {
+    let place = place();
+    let masses = ["--vary", "bodies.a.mass=normal(1,1)", "--worlds", "50", "--steps", "0"];
+    let files = ["sweep", "scene.json", "--quiet", "--out", "out.csv", "--series", "series.csv"];
+    place.succeed(&[&files[..], &masses].concat());
+    let (rows, series) = (place.read("out.csv"), place.read("series.csv"));
+    let (rows, series) = (lines(&rows), lines(&series));
+    assert_eq!((rows.len(), series.len()), (50, 50));
+    let mut impossible = 0;
+    for (world, (row, line)) in rows.iter().zip(&series).enumerate() {
+        if row.contains(",impossible,") {
+            impossible += 1;
+            assert_eq!(*line, format!("{world},,,,,,,,,,,,,,,,"));
+        } else {
+            assert!(line.starts_with(&format!("{world},0,0.0,a,0.0")), "{line}");
+        }
+    }
+    assert!((1..50).contains(&impossible), "{impossible}");
 }
 
 /// A robot and a glTF file from the repository's own models.

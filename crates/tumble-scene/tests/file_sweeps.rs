@@ -326,7 +326,7 @@ fn what_such_a_file_does_not_say_is_refused() {
         (&crates, "gltf", "bodies.box.shape.cuboid.half_extents.0", "only mass"),
         (&crates, "gltf", "bodies.box.inertia.principal.0", "only mass"),
         (&crates, "gltf", "bodies.box.forces.0.gravity_scale", "only mass"),
-        (&crates, "gltf", "bodies.box.collider.friction", "does not begin from a default"),
+        (&crates, "gltf", "bodies.box.collider.friction", "has two coefficients: static_friction and dynamic_friction"),
         (&arm, "urdf", "bodies.lower.collider.restitution", "the body has no collider that could vary"),
         (&arm, "urdf", "joints.elbow.hinge.at.0", "of glTF and URDF also position"),
         (&arm, "urdf", "joints.elbow.drives.0.stiffness.0", "there may be"),
@@ -340,6 +340,7 @@ fn what_such_a_file_does_not_say_is_refused() {
         (&crates, "gltf", &[("bodies.box.mass", -1.0)][..], "bodies[1].mass: "),
         (&crates, "gltf", &[("bodies.box.mass", f64::NAN)], "bodies[1].mass: "),
         (&crates, "gltf", &[("bodies.box.position.0", f64::INFINITY)], "bodies[1].position"),
+        (&crates, "gltf", &[("bodies.box.position.0", 1e16)], "bodies[1].position: is further than 1e15 m"),
         (&crates, "gltf", &[("bodies.box.linear_velocity.0", 1e60)], "bodies[1].linear_velocity: "),
         (&crates, "gltf", &[("bodies.box.collider.static_friction", -0.1)], "bodies[1].collider.static_friction: "),
         (&crates, "gltf", &[("bodies.box.collider.restitution", 1.5)], "bodies[1].collider.restitution: "),
@@ -422,8 +423,7 @@ fn a_surface_keeps_its_rules() {
     let material = |values: &[(&str, f64)]| {
         let world = varied(&text, "gltf", values).world;
         let entity = BodyOrder::of(&world).entities()[1];
-        let material = *world.get::<&Collider>(entity).unwrap().material();
-        material
+        *world.get::<&Collider>(entity).unwrap().material()
     };
     let (was, now) = (material(&[]), material(&[("bodies.box.collider.restitution", 0.5)]));
     assert_eq!(tumble::Material { restitution: 0.5 as Real, ..was }, now);

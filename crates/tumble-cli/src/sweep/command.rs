@@ -52,7 +52,7 @@ pub(crate) fn sweep(options: &SweepOptions) -> Result<(), Failure> {
         plot.draw(&options.out, &options.scene)?;
     }
     if !options.quiet {
-        print::output(&report.text(&sweep, &options.out))?;
+        print::output(&report.text(&sweep, &options.out, done.is_break()))?;
     }
     if done.is_break() { Err(Failure::Interrupted) } else { Ok(()) }
 }
@@ -158,7 +158,7 @@ impl Report {
         }
     }
 
-    fn text(&self, sweep: &Sweep, out: &Path) -> String {
+    fn text(&self, sweep: &Sweep, out: &Path, is_interrupted: bool) -> String {
         let run = self.ok + self.impossible + self.not_finite;
         let (asked, before) = (self.worlds.end - self.worlds.start, self.begun_at - self.worlds.start);
         let mut lines = vec![("worlds", format!("{} of {asked}", before + run))];
@@ -176,8 +176,13 @@ impl Report {
         }
         let seconds = self.time.as_secs_f64();
         lines.push(("wall time", format!("{seconds:.6} s")));
-        lines.push(("worlds per second", format!("{:.4e}", run as f64 / seconds.max(f64::MIN_POSITIVE))));
+        if run > 0 {
+            lines.push(("worlds per second", format!("{:.4e}", run as f64 / seconds.max(f64::MIN_POSITIVE))));
+        }
         lines.push(("written to", printable(&out.to_string_lossy())));
+        if is_interrupted {
+            lines.push(("interrupted", "the same command goes on".to_owned()));
+        }
         lines.iter().map(|(label, value)| format!("{label:<22} {value}\n")).collect()
     }
 }

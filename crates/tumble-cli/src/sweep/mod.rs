@@ -51,7 +51,7 @@ pub(crate) struct SweepPlan {
     pub(crate) substeps: Option<u32>,
     /// Integrator instead of the scene's.
     pub(crate) integrator: Option<Integrator>,
-    /// The bodies whose end is of interest, by name; the first one if none is named.
+    /// The bodies whose end is of interest, by name; the first that moves if none is named.
     pub(crate) bodies: Vec<String>,
     /// What is watched in each step, as it was written.
     pub(crate) observe: Vec<String>,
@@ -111,7 +111,7 @@ impl Sweep {
         let scene = SceneTemplate::open_with(&plan.scene, overrides, repairs)?;
         let (fields, varied) = find_fields(&plan, &scene)?;
         let names = scene.body_names();
-        let reported = reported(&plan.bodies, &names)?;
+        let reported = reported(&plan.bodies, &names, scene.first_dynamic().unwrap_or(0))?;
         let worlds = worlds(&plan, &varied)?;
         let (observables, until) = watched(&plan, &names)?;
         let reported_names = reported.iter().filter_map(|&i| names.get(i).cloned()).collect();
@@ -264,9 +264,9 @@ fn watched(plan: &SweepPlan, names: &[String]) -> Result<(Vec<Observable>, Optio
     Ok((plan.observe.iter().map(observable).collect::<Result<_, _>>()?, plan.until.as_ref().map(until).transpose()?))
 }
 
-fn reported(wanted: &[String], names: &[String]) -> Result<Vec<usize>, SweepError> {
+fn reported(wanted: &[String], names: &[String], usual: usize) -> Result<Vec<usize>, SweepError> {
     if wanted.is_empty() {
-        return Ok(if names.is_empty() { Vec::new() } else { vec![0] });
+        return Ok(if names.is_empty() { Vec::new() } else { vec![usual] });
     }
     let find = |name: &String| names.iter().position(|known| known == name);
     wanted.iter().map(|name| find(name).ok_or_else(|| SweepError::Body(name.clone()))).collect()

@@ -35,7 +35,7 @@ pub(crate) struct SweepOptions {
     /// What chance begins with
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 0)]
     pub(crate) seed: u64,
-    /// A body whose end is written, by name; may be given again [default: the first]
+    /// A body whose end is written, by name; may be given again [default: the first that moves]
     #[arg(long, value_name = "NAME")]
     pub(crate) body: Vec<String>,
     /// A column of what is seen in all steps: max(BODY.COLUMN), min(BODY.COLUMN), first_contact or

@@ -70,6 +70,9 @@ pub(crate) fn row(sweep: &Sweep, index: u64) -> Option<Row> {
         put(&mut text, format_args!(",{value:?}"));
     }
     put(&mut text, format_args!(",{}", outcome.name()));
+    if series.is_empty() && sweep.plan().series.is_some() {
+        series = Series::of_impossible(index);
+    }
     let empty = 5 + STATE_COLUMNS.len() * sweep.reported().len() + sweep.observables().len();
     match end {
         Some(end) => end.write(&mut text),

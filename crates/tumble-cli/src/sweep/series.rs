@@ -1,8 +1,9 @@
 //! Time series of a sweep: where the reported bodies are on the way, in one file for all worlds.
 
 use std::fmt::Write as _;
-use std::fs::{File, OpenOptions};
+use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use tumble::{BodyOrder, Pose, Trial, Velocity};
@@ -51,6 +52,11 @@ impl Series {
         self.text
     }
 
+    /// The line of a world that no body can have, which is empty but for the world.
+    pub(crate) fn of_impossible(world: u64) -> String {
+        format!("{world}{}\n", ",".repeat(COLUMNS.len()))
+    }
+
     fn write(&mut self, trial: &Trial, order: &BodyOrder) {
         let (step, time) = (trial.simulation.steps(), trial.simulation.time());
         self.last = Some(step);
@@ -91,10 +97,16 @@ impl SeriesFile {
         }
         let mut file =
             OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path).map_err(opening)?;
-        let kept = match cut(&file, &head, world).map_err(opening)? {
-            Some(kept) => kept,
-            None if begins && is_ours(&file).map_err(opening)? => 0,
-            None => return refused("is there already and is not the series of this sweep"),
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) => return refused("another tumble is writing to it"),
+            // A file system without locks is no reason not to write.
+            Ok(()) | Err(TryLockError::Error(_)) => {}
+        }
+        let kept = match begun(&file, &head, identity.range().start..world).map_err(opening)? {
+            Begun::Whole(kept) => kept,
+            Begun::Damaged(problem) => return refused(&problem),
+            Begun::Another if begins && is_ours(&file).map_err(opening)? => 0,
+            Begun::Another => return refused("is there already and is not the series of this sweep"),
         };
         file.set_len(kept).map_err(opening)?;
         file.seek(SeekFrom::End(0)).map_err(opening)?;
@@ -125,9 +137,18 @@ fn head(identity: &SweepIdentity) -> io::Result<String> {
     Ok(format!("{BEFORE_IDENTITY}{}\nworld,{}\n", serde_json::to_string(identity)?, COLUMNS.join(",")))
 }
 
-/// Bytes of the head and of the whole lines of worlds before this one; none where the head is
-/// another.
-fn cut(mut file: &File, head: &str, world: u64) -> io::Result<Option<u64>> {
+/// What a file has of the series of a sweep.
+enum Begun {
+    /// Bytes of the head and of all lines of the worlds.
+    Whole(u64),
+    /// Why lines of these worlds are not as they were written.
+    Damaged(String),
+    /// The head is another.
+    Another,
+}
+
+/// Reads up to the lines of the last of these worlds, each of which has one at least.
+fn begun(mut file: &File, head: &str, worlds: Range<u64>) -> io::Result<Begun> {
     file.rewind()?;
     let mut reader = BufReader::with_capacity(1 << 16, file);
     let (mut kept, mut line) = (0, Vec::new());
@@ -135,17 +156,26 @@ fn cut(mut file: &File, head: &str, world: u64) -> io::Result<Option<u64>> {
         line.clear();
         reader.read_until(b'\n', &mut line)?;
         if line != expected.as_bytes() {
-            return Ok(None);
+            return Ok(Begun::Another);
         }
         kept += line.len() as u64;
     }
+    let (mut next, mut number) = (worlds.start, 3);
     loop {
         line.clear();
         reader.read_until(b'\n', &mut line)?;
-        let number = line.split(|byte| *byte == b',').next().and_then(|world| std::str::from_utf8(world).ok());
-        match number.and_then(|number| number.parse::<u64>().ok()) {
-            Some(number) if number < world && line.ends_with(b"\n") => kept += line.len() as u64,
-            _ => return Ok(Some(kept)),
+        let world = line.split(|byte| *byte == b',').next().and_then(|world| std::str::from_utf8(world).ok());
+        let world = world.and_then(|world| world.parse::<u64>().ok());
+        let is_whole = line.ends_with(b"\n");
+        match world {
+            Some(world) if is_whole && world < worlds.end && (world == next || world + 1 == next) => {
+                next = world + 1;
+                kept += line.len() as u64;
+                number += 1;
+            }
+            // What follows the last of them is cut off, whole or not.
+            _ if next == worlds.end => return Ok(Begun::Whole(kept)),
+            _ => return Ok(Begun::Damaged(format!("line {number} is damaged: it is not that of world {next}"))),
         }
     }
 }

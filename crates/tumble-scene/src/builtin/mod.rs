@@ -77,7 +77,9 @@ fn about(name: &str) -> String {
     let made = contact_scenes::named(name).map(|scene| scene.description.to_owned());
     let description = made.or_else(of_file).unwrap_or_else(|| stress::ABOUT.to_owned());
     let first = description.split(". ").next().unwrap_or_default();
-    let first = first.split(": ").next().unwrap_or_default();
+    // A ratio has a space before its colon too.
+    let end = first.match_indices(": ").find(|(at, _)| !first[..*at].ends_with(' ')).map_or(first.len(), |(at, _)| at);
+    let first = &first[..end];
     format!("{}.", first.trim_end_matches('.'))
 }
 

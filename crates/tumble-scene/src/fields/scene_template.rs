@@ -168,6 +168,12 @@ impl SceneTemplate {
         self.model.bodies.iter().enumerate().map(|(index, body)| convert::name(body, index)).collect()
     }
 
+    /// The first body that is neither fixed nor kinematic, by its [`BodyId`](tumble::BodyId).
+    #[must_use]
+    pub fn first_dynamic(&self) -> Option<usize> {
+        self.bodies.iter().position(|body| body.body.properties().is_some())
+    }
+
     /// A hash of what the scene says: of its text and its meshes.
     #[must_use]
     pub fn hash(&self) -> u64 {

@@ -3,7 +3,7 @@
 
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
-use tumble::math::{dquat, dvec3};
+use tumble::math::{Vec3, dquat, dvec3};
 use tumble::{
     CenterOfMass, Collider, GravityScale, Material, Pose, Velocity, change_mass_properties, set_angular_velocity,
     set_linear_velocity,
@@ -20,6 +20,9 @@ use crate::model::orientation_model::OrientationModel;
 use crate::model::scene_model::BodyModel;
 use crate::values::checked::{double_vector, finite_triple, number};
 use crate::values::tuple::{Triple, Tuple};
+
+/// How far from the origin a body may be \[m\].
+const MAX_DISTANCE: f64 = 1e15;
 
 /// What of a body can vary, with the values that it has.
 pub(crate) fn body_model(body: &SceneBody, name: &str, entity: Entity, world: &World) -> BodyModel {
@@ -45,10 +48,21 @@ pub(crate) fn body_model(body: &SceneBody, name: &str, entity: Entity, world: &W
 /// Why such a body has not the number that the path after it leads to.
 pub(crate) fn refusal(model: &BodyModel, path: &[&str]) -> Option<String> {
     let lacks = |what: &str| Some(format!("the body has no {what} that could vary"));
+    let is_split = model.collider.as_ref().is_some_and(|collider| collider.friction.is_none());
     match path.first().copied()? {
         "mass" | "gravity_scale" if model.mass.is_none() => lacks("mass"),
         "linear_velocity" | "angular_velocity" if model.fixed => lacks("velocity"),
         "collider" if model.collider.is_none() => lacks("collider"),
+        "collider" if is_split && path.get(1) == Some(&"friction") => {
+            Some("has two coefficients: static_friction and dynamic_friction".to_owned())
+        }
+        "collider" if !is_split && matches!(path.get(1), Some(&("static_friction" | "dynamic_friction"))) => {
+            Some("has one coefficient for both: friction".to_owned())
+        }
+        "orientation" if model.orientation.is_some() && path.get(1) == Some(&"angle") => Some(
+            "the body is turned in the file: only the four numbers of its quaternion, orientation.0 to orientation.3, can vary"
+                .to_owned(),
+        ),
         "mass" | "gravity_scale" | "position" | "orientation" | "linear_velocity" | "angular_velocity" | "collider" => {
             None
         }
@@ -102,10 +116,11 @@ pub(crate) fn move_body(world: &mut World, entity: Entity, from: Frame, to: Fram
     let (center, orientation) = center_frame(world, entity);
     let is_turned = from.1 != to.1;
     let turn = if is_turned { (to.1 * from.1.inverse()).normalize() } else { DQuat::IDENTITY };
-    let position = real_vector(to.0 + turn * (center - from.0));
-    if !position.is_finite() {
-        return Err(FieldError::new("position", "is too far away"));
+    let place = to.0 + turn * (center - from.0);
+    if !place.is_finite() || place.abs().max_element() > MAX_DISTANCE {
+        return Err(FieldError::new("position", "is further than 1e15 m from the origin"));
     }
+    let position = real_vector(place);
     if let Ok(pose) = world.query_one_mut::<&mut Pose>(entity) {
         pose.position = position;
         if is_turned {
@@ -113,12 +128,18 @@ pub(crate) fn move_body(world: &mut World, entity: Entity, from: Frame, to: Fram
         }
     }
     let velocity = world.get::<&Velocity>(entity).map(|velocity| *velocity).ok();
-    velocity.map_or(Ok(()), |velocity| set_velocity(world, entity, velocity))
+    match velocity {
+        Some(velocity) if is_turned => set_angular(world, entity, velocity.angular),
+        _ => Ok(()),
+    }
 }
 
-fn set_velocity(world: &mut World, entity: Entity, velocity: Velocity) -> Result<(), FieldError> {
-    set_linear_velocity(world, entity, velocity.linear).map_err(|error| FieldError::new("linear_velocity", error))?;
-    set_angular_velocity(world, entity, velocity.angular).map_err(|error| FieldError::new("angular_velocity", error))
+fn set_linear(world: &mut World, entity: Entity, velocity: Vec3) -> Result<(), FieldError> {
+    set_linear_velocity(world, entity, velocity).map_err(|error| FieldError::new("linear_velocity", error))
+}
+
+fn set_angular(world: &mut World, entity: Entity, velocity: Vec3) -> Result<(), FieldError> {
+    set_angular_velocity(world, entity, velocity).map_err(|error| FieldError::new("angular_velocity", error))
 }
 
 /// Gives a body what is other in `now` than it was, but for its place.
@@ -151,9 +172,12 @@ pub(crate) fn change_body(
     };
     let linear = other(&now.linear_velocity, &was.linear_velocity, "linear_velocity")?;
     let angular = other(&now.angular_velocity, &was.angular_velocity, "angular_velocity")?;
-    if now.mass != was.mass || linear.is_some() || angular.is_some() {
-        let velocity = Velocity { linear: linear.unwrap_or(before.linear), angular: angular.unwrap_or(before.angular) };
-        set_velocity(world, entity, velocity)?;
+    let has_other_mass = now.mass != was.mass;
+    if has_other_mass || linear.is_some() {
+        set_linear(world, entity, linear.unwrap_or(before.linear))?;
+    }
+    if has_other_mass || angular.is_some() {
+        set_angular(world, entity, angular.unwrap_or(before.angular))?;
     }
     Ok(())
 }
