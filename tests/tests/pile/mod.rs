@@ -50,12 +50,12 @@ pub(crate) fn spawn(world: &mut World, id: u64) -> Entity {
     }
 }
 
-/// What falls, of the kind of its identity.
 /// A rotation that every machine rounds alike.
 fn unit(x: Real, y: Real, z: Real) -> Quat {
     quat(dquat(Quat::from_xyzw(x, y, z, 1.0)))
 }
 
+/// What falls, of the kind of its identity.
 fn spawn_falling(world: &mut World, mut rng: Rng, id: u64) -> Entity {
     let mut length = || f64::from(rng.range(0.15, 0.25));
     let shape = match id % 8 {

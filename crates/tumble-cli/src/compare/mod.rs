@@ -169,7 +169,7 @@ fn mean(numbers: impl Iterator<Item = f64>) -> f64 {
     sum / f64::from(count.max(1))
 }
 
-/// Shows each pool a part of the worlds: steps of Rapier that wait for each other in one pool of
+/// Gives each pool a part of the worlds: steps of Rapier that wait for each other in one pool of
 /// several threads wait for ever.
 fn in_parts(worlds: &mut [RapierWorld], pools: &[ThreadPool], work: impl Fn(&mut RapierWorld) + Sync) {
     let part = worlds.len().div_ceil(pools.len().max(1)).max(1);

@@ -68,24 +68,28 @@ impl Files {
     fn open(options: &SweepOptions, identity: &SweepIdentity, columns: &[String]) -> Result<Self, Failure> {
         let path = &options.out;
         let was_there = fs::symlink_metadata(path).is_ok();
-        let rows = SweepFile::open(path, identity, columns).map_err(Failure::from);
-        let opened = rows.and_then(|rows| {
-            let series = options.series.as_ref().map(|series| Self::open_series(series, path, identity, &rows));
-            Ok(Self { series: series.transpose()?, rows })
-        });
-        if opened.is_err() && !was_there {
-            // If even that fails, the first failure is the one to tell.
-            drop(fs::remove_file(path));
-        }
-        opened
+        let forget = |failure: Failure| {
+            if !was_there {
+                // If even that fails, the first failure is the one to tell.
+                drop(fs::remove_file(path));
+            }
+            failure
+        };
+        // What another program has made in the meantime is not ours to remove.
+        let rows = SweepFile::open(path, identity, columns).map_err(|error| match Failure::from(error) {
+            failure @ Failure::Running(_) => forget(failure),
+            failure => failure,
+        })?;
+        let series = options.series.as_ref().map(|series| Self::open_series(series, path, identity, &rows));
+        let series = series.transpose().map_err(forget)?;
+        Ok(Self { rows, series })
     }
 
     fn open_series(path: &Path, out: &Path, identity: &SweepIdentity, rows: &SweepFile) -> Result<SeriesFile, Failure> {
         if fs::canonicalize(path).is_ok_and(|path| fs::canonicalize(out).is_ok_and(|out| out == path)) {
             return Err(Failure::Input(format!("{}: is --out already", path.display())));
         }
-        let world = rows.first_missing_world();
-        SeriesFile::open(path, identity, world == identity.range().start, world)
+        SeriesFile::open(path, identity, rows.first_missing_world())
     }
 
     fn append(&mut self, row: &Row) -> Result<(), Failure> {

@@ -327,7 +327,7 @@ fn refuse_irregular(path: &Path) -> Result<(), SweepFileError> {
 }
 
 /// One program at a time has a sweep's file, until it closes it.
-fn lock(path: &Path, file: &File) -> Result<(), SweepFileError> {
+pub(crate) fn lock(path: &Path, file: &File) -> Result<(), SweepFileError> {
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => Err(SweepFileError::Busy { path: path.to_owned() }),
         // A file system without locks is no reason not to write.

@@ -1,7 +1,7 @@
 //! Time series of a sweep: where the reported bodies are on the way, in one file for all worlds.
 
 use std::fmt::Write as _;
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -11,6 +11,7 @@ use tumble_record::{COLUMNS, csv_cell, state_numbers};
 
 use crate::failure::Failure;
 use crate::sweep::Sweep;
+use crate::sweep::file::lock;
 use crate::sweep::identity::SweepIdentity;
 
 /// What the first line begins with; readers of CSV take it for a comment.
@@ -84,7 +85,8 @@ pub(crate) struct SeriesFile {
 impl SeriesFile {
     /// Makes the file, or goes on with it at a world; what is there of that and later worlds is cut
     /// off.
-    pub(crate) fn open(path: &Path, identity: &SweepIdentity, begins: bool, world: u64) -> Result<Self, Failure> {
+    pub(crate) fn open(path: &Path, identity: &SweepIdentity, world: u64) -> Result<Self, Failure> {
+        let worlds = identity.range().start..world;
         let opening = |error: io::Error| Failure::opening(path, &error);
         let head = head(identity).map_err(opening)?;
         let there = path.metadata().ok();
@@ -92,17 +94,14 @@ impl SeriesFile {
         if there.as_ref().is_some_and(|there| !there.is_file()) {
             return refused("is not a regular file");
         }
-        if there.is_none() && !begins {
+        if there.is_none() && !worlds.is_empty() {
             return refused("is not there, and the sweep has worlds already whose series it had");
         }
         let mut file =
             OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path).map_err(opening)?;
-        match file.try_lock() {
-            Err(TryLockError::WouldBlock) => return refused("another tumble is writing to it"),
-            // A file system without locks is no reason not to write.
-            Ok(()) | Err(TryLockError::Error(_)) => {}
-        }
-        let kept = match begun(&file, &head, identity.range().start..world).map_err(opening)? {
+        lock(path, &file)?;
+        let begins = worlds.is_empty();
+        let kept = match begun(&file, &head, worlds).map_err(opening)? {
             Begun::Whole(kept) => kept,
             Begun::Damaged(problem) => return refused(&problem),
             Begun::Another if begins && is_ours(&file).map_err(opening)? => 0,
@@ -180,10 +179,10 @@ fn begun(mut file: &File, head: &str, worlds: Range<u64>) -> io::Result<Begun> {
     }
 }
 
-/// Whether it is empty, or the series of any sweep.
+/// Whether it is the series of any sweep, or was cut off before it was known to be.
 fn is_ours(mut file: &File) -> io::Result<bool> {
     file.rewind()?;
     let mut begun = Vec::new();
     file.take(BEFORE_IDENTITY.len() as u64).read_to_end(&mut begun)?;
-    Ok(begun.is_empty() || begun == BEFORE_IDENTITY.as_bytes())
+    Ok(BEFORE_IDENTITY.as_bytes().starts_with(&begun))
 }

@@ -15,8 +15,9 @@ pub(crate) fn rotation(model: &OrientationModel) -> Result<DQuat, FieldError> {
     }
 }
 
-/// The functions are libm's, whose bits are the same on every machine.
-fn turned(turn: &TurnModel) -> Result<DQuat, FieldError> {
+/// The rotation of an axis and an angle. The functions are libm's, whose bits are the same on every
+/// machine.
+pub(crate) fn turned(turn: &TurnModel) -> Result<DQuat, FieldError> {
     let axis = finite_triple("axis", &turn.axis)?;
     let axis = (axis / axis.abs().max_element()).try_normalize();
     let axis = axis.ok_or_else(|| FieldError::new("axis", "is zero: give a direction"))?;

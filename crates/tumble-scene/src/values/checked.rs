@@ -1,11 +1,17 @@
 //! Checks of values that only scene files have.
 
 use glam::DVec3;
-use tumble::math::Vec3;
+use tumble::math::{Real, Vec3};
 use tumble_import::checked::{MAX_COMPONENT, finite, real};
 use tumble_import::{FieldError, shortest};
 
 use crate::values::tuple::Triple;
+
+/// A number of the engine, to the bit.
+#[allow(clippy::useless_conversion, reason = "Real is f64 already in one of the two builds")]
+pub(crate) fn double(value: Real) -> f64 {
+    value.into()
+}
 
 /// The components of an engine's vector, as they stand in files.
 #[allow(clippy::useless_conversion, reason = "Real is f64 already in one of the two builds")]

@@ -18,7 +18,7 @@ use crate::fields::file_scene::Frame;
 use crate::model::collider_model::ColliderModel;
 use crate::model::orientation_model::OrientationModel;
 use crate::model::scene_model::BodyModel;
-use crate::values::checked::{double_vector, finite_triple, number};
+use crate::values::checked::{double, double_vector, finite_triple, number};
 use crate::values::tuple::{Triple, Tuple};
 
 /// How far from the origin a body may be \[m\].
@@ -196,9 +196,4 @@ fn change_surface(now: &BodyModel, entity: Entity, world: &mut World) -> Result<
     let made = Material { friction_combine, restitution_combine, ..made };
     *collider = collider.clone().with_material(made).map_err(|error| FieldError::new("collider", error))?;
     Ok(())
-}
-
-#[allow(clippy::useless_conversion, reason = "Real is f64 already in one of the two builds")]
-pub(crate) fn double(value: tumble::math::Real) -> f64 {
-    value.into()
 }

@@ -8,11 +8,11 @@ use tumble_import::{FieldError, ImportedJoint};
 
 use crate::convert::joint_options::{drives, friction, limits};
 use crate::fields::file_scene::Frame;
-use crate::fields::file_scene::body_change::double;
 use crate::model::joint_model::JointModel;
 use crate::model::joint_options_model::{
     AxisModel, ConeModel, DriveModel, FrictionModel, GainModel, LimitModel, LimitsModel, ModeModel,
 };
+use crate::values::checked::double;
 use crate::values::tuple::Tuple;
 
 /// The one axis that a joint leaves free: its direction, and whether it goes along it.

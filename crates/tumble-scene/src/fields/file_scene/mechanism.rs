@@ -1,18 +1,20 @@
 //! Bodies that joints hold together, and how they are placed and posed as one.
 
-use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble_import::{FieldError, ImportedJoint};
 
+use crate::convert::orientation::turned;
 use crate::fields::file_scene::body_change::{body_frame, center_frame, model_frame, move_body};
 use crate::fields::file_scene::joint_model::{joint_frame, single_axis};
 use crate::model::joint_model::JointModel;
+use crate::model::orientation_model::TurnModel;
 use crate::model::scene_model::BodyModel;
+use crate::values::tuple::Tuple;
 
 /// Which bodies joints connect.
 #[derive(Clone, Debug)]
 pub(crate) struct Mechanisms {
-    /// The bodies of each joint.
+    /// The bodies of each joint, in the order of the joints.
     joints: Vec<[usize; 2]>,
     /// Of each body the first one of its mechanism.
     first: Vec<usize>,
@@ -20,7 +22,7 @@ pub(crate) struct Mechanisms {
 
 impl Mechanisms {
     pub(crate) fn new(bodies: usize, joints: impl Iterator<Item = [usize; 2]>) -> Self {
-        let joints: Vec<_> = joints.filter(|ends| ends.iter().all(|end| *end < bodies)).collect();
+        let joints: Vec<_> = joints.collect();
         let first = connected(bodies, joints.iter().copied());
         Self { joints, first }
     }
@@ -76,7 +78,10 @@ impl Mechanisms {
         let Some(&first) = entities.get(a) else { return Ok(()) };
         let (origin, along) = joint_frame(joint, 0, center_frame(world, first));
         let moved = position - before;
-        let to = if is_along { (origin + along * (axis * moved), along) } else { (origin, along * about(axis, moved)) };
+        let to = match is_along {
+            true => (origin + along * (axis * moved), along),
+            false => (origin, along * turned(&TurnModel { axis: Tuple(axis.to_array()), angle: moved })?),
+        };
         let members: Vec<_> = entities.iter().zip(&side).filter(|(_, it)| *it == of_b).map(|(it, _)| *it).collect();
         members.into_iter().try_for_each(|member| move_body(world, member, (origin, along), to))
     }
@@ -92,15 +97,9 @@ fn connected(bodies: usize, joints: impl Iterator<Item = [usize; 2]>) -> Vec<usi
         }
         body
     };
-    for [a, b] in joints {
+    for [a, b] in joints.filter(|ends| ends.iter().all(|end| *end < bodies)) {
         let (a, b) = (root(&mut first, a), root(&mut first, b));
         first[a.max(b)] = a.min(b);
     }
     (0..bodies).map(|body| root(&mut first, body)).collect()
-}
-
-/// The functions are libm's, whose bits are the same on every machine.
-fn about(axis: DVec3, angle: f64) -> DQuat {
-    let vector = axis * libm::sin(0.5 * angle);
-    DQuat::from_xyzw(vector.x, vector.y, vector.z, libm::cos(0.5 * angle))
 }
