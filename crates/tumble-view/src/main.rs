@@ -35,6 +35,7 @@ mod picture;
 mod playback;
 mod readout;
 mod sliders;
+mod sunlight;
 mod timing;
 mod trails;
 mod tuning;

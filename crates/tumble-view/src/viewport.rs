@@ -2,6 +2,7 @@
 
 mod acts;
 mod scenery;
+mod surfaces;
 
 use std::time::{Duration, Instant};
 
@@ -16,7 +17,7 @@ use crate::camera::{Camera, DISTANCES, View};
 use crate::convert::{dvec3, single3};
 use crate::failure::Failure;
 use crate::framing::{self, Frame};
-use crate::gpu::{Background, BodyInstance, Gpu, Picture, Renderer};
+use crate::gpu::{Background, Gpu, Picture, Renderer};
 use crate::hand::Hand;
 use crate::layers::{Layer, Layers};
 use crate::lines::{Line, Marks};
@@ -24,6 +25,7 @@ use crate::options::ViewOptions;
 use crate::overlay::{Label, Overlay};
 use crate::playback::Playback;
 use crate::readout::{self, Row};
+use crate::sunlight::{ShadowFrame, Sun};
 use crate::timing::FrameTimes;
 use crate::tuning::Tuning;
 
@@ -54,6 +56,7 @@ pub(crate) struct Viewport {
     pub(crate) playback: Playback,
     pub(crate) layers: Layers,
     pub(crate) camera: Camera,
+    sun: Sun,
     pub(crate) follow: Follow,
     pub(crate) picked: Option<usize>,
     hand: Option<Hand>,
@@ -108,6 +111,7 @@ impl Viewport {
         }
         let center = center_of_mass(&playback, &places).unwrap_or(start.middle);
         let mut viewport = Self {
+            sun: Sun::new(up, camera.yaw),
             camera,
             layers,
             follow: Follow::All,
@@ -209,6 +213,7 @@ impl Viewport {
         let picture = Picture {
             view: &view,
             up: single3(self.camera.up.axis()),
+            shadows: ShadowFrame::new(self.sun, &view, self.shades(&view, &places)),
             background: canvas.background,
             bodies: &bodies,
             scenery: &scenery,
@@ -238,37 +243,6 @@ impl Viewport {
             }
         }
         self.camera.target = self.anchor + self.shift;
-    }
-
-    fn instances(&self, view: &View, places: &[Placed]) -> Vec<Vec<BodyInstance>> {
-        let bodies = &self.playback.bodies;
-        let mut by_surface = vec![Vec::new(); bodies.surface_count];
-        let eye = view.target + view.towards * view.unit;
-        for (index, (body, placed)) in bodies.all.iter().zip(places).enumerate() {
-            // Ground is not seen from below, so that walls on this side do not hide what is between
-            // them.
-            if body.endless && (eye - placed.origin).dot(placed.rotation * DVec3::Y) <= 0.0 {
-                continue;
-            }
-            let enlarged = framing::enlargement(view, placed.center, body.reach, bodies.all.len());
-            let lit = match (body.endless, self.picked == Some(index)) {
-                (true, _) => -SEEN * self.start.radius / view.unit,
-                (false, picked) => f64::from(u8::from(picked)),
-            } as f32;
-            let [red, green, blue] = body.color;
-            for piece in &body.pieces {
-                if let Some(instances) = by_surface.get_mut(piece.surface) {
-                    let origin = placed.origin + placed.rotation * piece.position * enlarged;
-                    instances.push(BodyInstance {
-                        place: single3(view.relative(origin)),
-                        turn: (placed.rotation * piece.rotation).as_quat().to_array(),
-                        size: single3(piece.factors * (enlarged / view.unit)),
-                        paint: [red, green, blue, lit],
-                    });
-                }
-            }
-        }
-        by_surface
     }
 
     /// What the engine draws.

@@ -12,6 +12,7 @@
 
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helper functions too")]
 
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::PathBuf;
@@ -35,6 +36,10 @@ const ANGLE: &str = r#"{ "gravity": [0, -9.81, 0], "dt": 0.01, "bodies": [
     { "name": "angle", "shape": { "mesh": { "file": "angle.obj" } }, "mass": 1, "collider": {} } ] }"#;
 const ANGLE_MESH: &str = "v 0 0 0\nv 0 0 2\nv 1 0 2\nv 1 0 1\nv 2 0 1\nv 2 0 0\nv 0 1 0\nv 0 1 2\nv 1 1 2\nv 1 1 1\nv 2 1 1\nv 2 1 0
 f 4 3 2 1\nf 6 5 4 1\nf 7 8 9 10\nf 7 10 11 12\nf 1 2 8 7\nf 2 3 9 8\nf 3 4 10 9\nf 4 5 11 10\nf 5 6 12 11\nf 6 1 7 12\n";
+/// A plate above ground, by its height.
+const PLATE: &str = r#"{ "gravity": [0, -9.81, 0], "dt": 0.01, "bodies": [
+    { "name": "ground", "shape": { "half_space": {} }, "fixed": true, "collider": {} },
+    { "name": "plate", "shape": { "cuboid": { "half_extents": [0.4, 0.01, 0.4] } }, "mass": 1, "position": [0, HEIGHT, 0] } ] }"#;
 const SIZE: (u32, u32) = (640, 360);
 
 /// Held while a screen is there.
@@ -267,6 +272,45 @@ fn layers_have_their_colours() {
     // A trail has the body's colour. It is 1.6 points wide, and fades.
     let (with, without) = (draw("block.json", "trails").unwrap().patch(orange).1, bare.patch(orange).1);
     assert!(with >= without + 40.0, "{with} {without}");
+}
+
+/// The right edge of a plate's shadow on the ground, from above: how far it is from where it should
+/// be \[m\], and how many different brightnesses there are between shadow and light.
+fn edge_of_shadow(place: &Place, height: f64) -> Option<(f64, usize)> {
+    fs::write(place.path("plate.json"), PLATE.replace("HEIGHT", &height.to_string())).unwrap();
+    let arguments = ["plate.json", "--screenshot", "a.png", "--show", "none", "--camera", "0,90", "--size", "1280x720"];
+    let output = place.on_screen(&arguments)?;
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let picture = Picture::read(place.path("a.png"));
+    let (wide, high) = (picture.size.0 as usize, picture.size.1 as usize);
+    let row = &picture.bytes[3 * wide * (high / 2)..][..3 * wide];
+    let grey: Vec<u32> = row.chunks_exact(3).map(|color| color.iter().map(|&part| u32::from(part)).sum()).collect();
+    // The sun is 0.74 above to 0.61 to the left; the farthest shadow is that of the upper edge.
+    let expected = 0.4 + 0.61 / 0.74 * (height + 0.01);
+    // Pixels to a metre where the plate is, and on the ground, which is farther away.
+    let at_plate = picture.patch(sky_blue).1.sqrt() / 0.8;
+    let tangent = (0.5 * 0.62_f64).tan();
+    let scale = high as f64 / (high as f64 / at_plate + 2.0 * tangent * height);
+    let about = (0.5 * wide as f64 + expected * scale) as usize;
+    let across = &grey[about - 12..about + 20];
+    let (dark, lit) = (f64::from(across[0]), f64::from(across[across.len() - 1]));
+    assert!(dark < 0.8 * lit, "{dark} {lit}");
+    let part = |grey: u32| (f64::from(grey) - dark) / (lit - dark);
+    let edge = about - 12 + across.iter().position(|&grey| part(grey) > 0.5).unwrap();
+    let between: BTreeSet<u32> = across.iter().copied().filter(|&grey| (0.1..0.9).contains(&part(grey))).collect();
+    Some(((edge as f64 - 0.5 * wide as f64) / scale - expected, between.len()))
+}
+
+/// Shadows are where the sun throws them, and have soft edges: softer, the farther what casts them.
+#[test]
+fn shadows_have_soft_edges() {
+    let place = Place::new();
+    let Some((off, levels)) = edge_of_shadow(&place, 0.6) else { return };
+    let (off_near, levels_near) = edge_of_shadow(&place, 0.1).unwrap();
+    // Three pixels.
+    assert!(off.abs() < 0.01 && off_near.abs() < 0.01, "{off} {off_near}");
+    // A point of a picture is the mean of two across: with hard edges there would be one.
+    assert!(levels >= 5 && levels > levels_near, "{levels} {levels_near}");
 }
 
 /// Letters outside ASCII are written, and for those that the font lacks there is a mark.

@@ -29,7 +29,7 @@ struct Uniforms {
 impl Backdrop {
     pub(super) fn new(context: &mut dyn RenderingBackend) -> Result<Self, GpuError> {
         let uniforms = [("below", UniformType::Float3), ("above", UniformType::Float3)];
-        let shader = shader(context, SHADER, &uniforms)?;
+        let shader = shader(context, SHADER, &[], &uniforms)?;
         let Quad { corners, indices } = Quad::new(context, &SQUARE);
         let attributes = [VertexAttribute::new("corner", VertexFormat::Float2)];
         let pipeline = context.new_pipeline(&[BufferLayout::default()], &attributes, shader, PipelineParams::default());

@@ -57,7 +57,7 @@ impl LinePass {
             ("near", UniformType::Float1),
             ("fade", UniformType::Float1),
         ];
-        let shader = shader(context, SHADER, &uniforms)?;
+        let shader = shader(context, SHADER, &[], &uniforms)?;
         let buffers =
             [BufferLayout::default(), BufferLayout { step_func: VertexStep::PerInstance, ..BufferLayout::default() }];
         let attributes = [

@@ -5,7 +5,9 @@ mod body_pass;
 mod context;
 mod instances;
 mod line_pass;
+mod meshes;
 mod quad;
+mod shadow_pass;
 mod water_pass;
 
 use macroquad::miniquad::{PassAction, RenderPass, RenderingBackend};
@@ -13,9 +15,10 @@ use macroquad::miniquad::{PassAction, RenderPass, RenderingBackend};
 use crate::bodies::Bodies;
 use crate::camera::View;
 use crate::lines::Line;
+use crate::sunlight::ShadowFrame;
 
-pub(crate) use body_pass::BodyInstance;
 pub(crate) use context::Gpu;
+pub(crate) use meshes::BodyInstance;
 pub(crate) use water_pass::Water;
 
 /// What is in a picture, but for text.
@@ -24,6 +27,7 @@ pub(crate) struct Picture<'a> {
     pub(crate) view: &'a View,
     /// Towards the sky.
     pub(crate) up: [f32; 3],
+    pub(crate) shadows: ShadowFrame,
     pub(crate) background: Background,
     /// Bodies by their surface.
     pub(crate) bodies: &'a [Vec<BodyInstance>],
@@ -46,6 +50,8 @@ pub(crate) enum Background {
 #[derive(Debug)]
 pub(crate) struct Renderer {
     backdrop: backdrop::Backdrop,
+    meshes: meshes::Meshes,
+    shadows: shadow_pass::ShadowPass,
     bodies: body_pass::BodyPass,
     lines: line_pass::LinePass,
     water: water_pass::WaterPass,
@@ -70,7 +76,9 @@ impl Renderer {
             }
             Ok(Self {
                 backdrop: backdrop::Backdrop::new(context)?,
-                bodies: body_pass::BodyPass::new(context, &bodies.surfaces)?,
+                meshes: meshes::Meshes::new(context, &bodies.surfaces),
+                shadows: shadow_pass::ShadowPass::new(context)?,
+                bodies: body_pass::BodyPass::new(context)?,
                 lines: line_pass::LinePass::new(context)?,
                 water: water_pass::WaterPass::new(context)?,
             })
@@ -79,18 +87,20 @@ impl Renderer {
 
     /// Goes on with the bodies of another scene.
     pub(crate) fn replace_bodies(&mut self, gpu: &mut Gpu, bodies: &Bodies) {
-        gpu.with(|context| self.bodies.replace(context, &bodies.surfaces));
+        gpu.with(|context| self.meshes.replace(context, &bodies.surfaces));
     }
 
     /// Draws into a render pass, or into the window.
     pub(crate) fn draw(&mut self, gpu: &mut Gpu, pass: Option<RenderPass>, picture: &Picture<'_>) {
         gpu.with(|context| {
+            self.meshes.write(context, picture.bodies);
+            self.shadows.draw(context, &picture.shadows, &self.meshes);
             context.begin_pass(
                 pass,
                 PassAction::Clear { color: Some((0.0, 0.0, 0.0, 1.0)), depth: Some(1.0), stencil: None },
             );
             self.backdrop.draw(context, picture.background);
-            self.bodies.draw(context, picture);
+            self.bodies.draw(context, picture, &self.meshes, self.shadows.map);
             self.lines.draw(context, picture);
             self.water.draw(context, picture);
             context.end_render_pass();
@@ -102,11 +112,15 @@ impl Renderer {
 fn shader(
     context: &mut dyn RenderingBackend,
     [vertex, fragment]: [&str; 2],
+    images: &[&str],
     uniforms: &[(&str, macroquad::miniquad::UniformType)],
 ) -> Result<macroquad::miniquad::ShaderId, GpuError> {
     use macroquad::miniquad::{ShaderMeta, ShaderSource, UniformBlockLayout, UniformDesc};
     let uniforms = uniforms.iter().map(|&(name, kind)| UniformDesc::new(name, kind)).collect();
-    let meta = ShaderMeta { images: Vec::new(), uniforms: UniformBlockLayout { uniforms } };
+    let meta = ShaderMeta {
+        images: images.iter().map(|&name| name.to_owned()).collect(),
+        uniforms: UniformBlockLayout { uniforms },
+    };
     let made = context.new_shader(ShaderSource::Glsl { vertex, fragment }, meta);
     made.map_err(|error| GpuError::Shader(error.to_string().replace('\n', " ")))
 }

@@ -46,7 +46,7 @@ impl WaterPass {
             ("along", UniformType::Float3),
             ("across", UniformType::Float3),
         ];
-        let shader = shader(context, SHADER, &uniforms)?;
+        let shader = shader(context, SHADER, &[], &uniforms)?;
         let params = PipelineParams { depth_test: Comparison::LessOrEqual, ..blended() };
         let attributes = [VertexAttribute::new("corner", VertexFormat::Float2)];
         Ok(Self {

@@ -137,7 +137,7 @@ impl Viewport {
 
     /// Shows this scene as another was, with what is in both.
     pub(crate) fn keep_view_of(&mut self, other: &Self) {
-        (self.camera, self.layers) = (other.camera, other.layers);
+        (self.camera, self.sun, self.layers) = (other.camera, other.sun, other.layers);
         let here = |index: usize| {
             let name = &other.playback.bodies.all.get(index)?.name;
             self.playback.bodies.all.iter().position(|body| body.name == *name)
