@@ -54,6 +54,18 @@ fn no_time_is_lost_or_gained() {
     }
 }
 
+/// A frame as long as a step has one from the first frame on, whatever the rounding of `dt`.
+#[test]
+fn a_frame_of_one_step_has_one() {
+    for rate in 10..=240_u8 {
+        let (mut world, mut simulation) = (World::new(), simulation(1.0 / Real::from(rate)));
+        for frame in 1..=100 {
+            let alpha = simulation.advance(&mut world, seconds(1.0 / Real::from(rate)));
+            assert_eq!((simulation.steps(), alpha), (frame, 0.0), "{rate} Hz");
+        }
+    }
+}
+
 /// The same steps in the same order, however the frames cut the time.
 #[test]
 fn frames_do_not_change_the_simulation() {

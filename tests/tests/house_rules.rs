@@ -70,7 +70,8 @@ const IMPORT: [&str; 14] = [
 ];
 /// The same of the crate of scenes.
 const SCENE: [&str; 12] = [
-    "error", "limits", "written", "values", "bodies", "model", "convert", "builtin", "scene", "audit", "fields", "lib",
+    "error", "limits", "alike", "written", "values", "bodies", "model", "convert", "builtin", "scene", "audit",
+    "fields", "lib",
 ];
 /// The same of the crate of records.
 const RECORD: [&str; 14] = [

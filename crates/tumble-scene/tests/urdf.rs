@@ -204,7 +204,7 @@ fn every_mistake_of_a_link_is_told() {
             r#"<mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="4"/>"#,
             &[
                 "inertial.inertia: principal moments of inertia (1.0, 1.0, 4.0) break the triangle inequality: no moment may exceed \
-               the sum of the others; here by 5.00e-1 of the largest, at line 3",
+               the sum of the others; here by 5.00e-1 of the largest; --repair takes the nearest possible, at line 3",
             ],
         ),
         (
@@ -212,7 +212,7 @@ fn every_mistake_of_a_link_is_told() {
             r#"<mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="0.653" iyz="0" izz="0.345"/>"#,
             &[
                 "inertial.inertia: principal moments of inertia (0.345, 0.653, 1.0) break the triangle inequality: no moment may exceed \
-               the sum of the others; here by 2.00e-3 of the largest, as rounding to three digits does: give more digits, at line 3",
+               the sum of the others; here by 2.00e-3 of the largest, as rounding to three digits does: give more digits; --repair takes the nearest possible, at line 3",
             ],
         ),
         (

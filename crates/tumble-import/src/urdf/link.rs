@@ -130,7 +130,7 @@ fn nearest_tensor(matrix: DMat3, moments: DVec3) -> Option<InertiaTensor> {
 fn broken_by(moments: DVec3) -> String {
     let share = (moments.z - moments.y - moments.x) / moments.z;
     let why = if share < ROUNDED { ", as rounding to three digits does: give more digits" } else { "" };
-    format!("; here by {share:.2e} of the largest{why}")
+    format!("; here by {share:.2e} of the largest{why}; --repair takes the nearest possible")
 }
 
 /// Into the axes of the link.

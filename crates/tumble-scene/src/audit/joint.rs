@@ -7,6 +7,7 @@ use tumble::math::Real;
 use tumble::{Axes, Drive, Gain, Limit, Limits, Pose};
 use tumble_import::{FieldError, ImportedGear, ImportedJoint};
 
+use crate::alike::find;
 use crate::bodies::scene_joint::SceneJoint;
 use crate::bodies::scene_joints::SceneGear;
 use crate::convert;
@@ -221,11 +222,11 @@ impl AuditedJoint {
     /// [`FieldError`] of a gear.
     pub(crate) fn of_scene(model: &SceneModel, names: &[String]) -> Result<Vec<Self>, FieldError> {
         let by_name: HashMap<&str, usize> = (0..).zip(names).map(|(index, name)| (name.as_str(), index)).collect();
-        let find = |name: &str| by_name.get(name).copied();
+        let body = |name: &str| find("body", name, &by_name);
         let named = |index: usize, model: &JointModel| model.name.clone().unwrap_or_else(|| format!("joints[{index}]"));
         let mut audited = Vec::with_capacity(model.joints.len());
         for (index, joint) in model.joints.iter().enumerate() {
-            audited.push(match convert::joints::joint(joint, &find) {
+            audited.push(match convert::joints::joint(joint, &body) {
                 Ok(checked) => Self::of_scene_joint(checked, named(index, joint), names),
                 Err(error) => Self::impossible(named(index, joint), joint, &error),
             });

@@ -3,6 +3,7 @@
 pub(crate) mod contact_scenes;
 pub(crate) mod stress;
 
+use crate::alike;
 use crate::builtin::contact_scenes::CONTACT_SCENES;
 use crate::error::SceneError;
 use crate::model::parse::{Format, parse};
@@ -64,12 +65,8 @@ pub fn builtin_scenes() -> impl Iterator<Item = (&'static str, String)> {
 /// assert_eq!(tumble_scene::nearest_builtin("piramid"), Some("pyramid"));
 /// ```
 pub fn nearest_builtin(name: &str) -> Option<&'static str> {
-    let alike = builtin_names().map(|known| (strsim::jaro(known, name), known));
-    alike.filter(|(alike, _)| *alike > MIN_ALIKE).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, nearest)| nearest)
+    alike::nearest(name, builtin_names())
 }
-
-/// The Jaro similarity beyond which one name may be meant by another.
-const MIN_ALIKE: f64 = 0.8;
 
 /// The first sentence of a description, up to a colon.
 fn about(name: &str) -> String {

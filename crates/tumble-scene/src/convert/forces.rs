@@ -7,6 +7,7 @@ use tumble::{Frame, GravityMass};
 use tumble_import::FieldError;
 use tumble_import::checked::{finite, note, positive, real_vector};
 
+use crate::alike::find;
 use crate::bodies::force::{Force, HullShape, thrust_is_finite};
 use crate::convert::name;
 use crate::model::force_model::{ForceModel, FrameModel, HullModel, PerAxis};
@@ -158,10 +159,10 @@ fn alone(body: &BodyModel, force: &ForceModel) -> Result<Force, FieldError> {
 
 /// The index of the body that a spring leads to.
 fn other(to: &str, index: usize, others: Others<'_>) -> Result<usize, FieldError> {
-    match others.by_name.get(to) {
-        Some(&other) if other == index => Err(FieldError::new("to", format!("{to:?} is the body itself"))),
-        Some(&other) => Ok(other),
-        None => Err(FieldError::new("to", format!("no body is called {to:?}"))),
+    match find("body", to, others.by_name) {
+        Ok(other) if other == index => Err(FieldError::new("to", format!("{to:?} is the body itself"))),
+        Ok(other) => Ok(other),
+        Err(problem) => Err(FieldError::new("to", problem)),
     }
 }
 

@@ -7,6 +7,7 @@ use tumble::{Axes, Gear};
 use tumble_import::checked::real;
 use tumble_import::{FieldError, shortest};
 
+use crate::alike::find;
 use crate::bodies::scene_joint::SceneJoint;
 use crate::bodies::scene_joints::{SceneGear, SceneJoints};
 use crate::convert::joints::joints;
@@ -83,12 +84,9 @@ fn gear(
 }
 
 fn index(name: &str, by_name: &ByName<'_>) -> Result<usize, FieldError> {
-    let problem = match by_name.get(name) {
-        Some(Some(index)) => return Ok(*index),
-        Some(None) => format!("several joints are called {name:?}"),
-        None => format!("no joint is called {name:?}"),
-    };
-    Err(FieldError::new("joints", problem))
+    let found = find("joint", name, by_name)
+        .and_then(|index| index.ok_or_else(|| format!("several joints are called {name:?}")));
+    found.map_err(|problem| FieldError::new("joints", problem))
 }
 
 /// The index of the axis of a joint with these free axes: the one that is given, or the first,

@@ -8,6 +8,7 @@ use tumble::Joint;
 use tumble_import::FieldError;
 use tumble_import::checked::{check_name, real_vector};
 
+use crate::alike::find;
 use crate::bodies::joint_options::JointOptions;
 use crate::bodies::scene_joint::SceneJoint;
 use crate::convert::joint_options;
@@ -28,22 +29,22 @@ pub(crate) fn joints(models: &[JointModel], names: &[String]) -> Result<Vec<Scen
     }
     let by_name: HashMap<&str, usize> = names.iter().enumerate().map(|(index, name)| (name.as_str(), index)).collect();
     let inside = |index: usize| move |error: FieldError| error.inside(&format!("joints[{index}]"));
-    let find = |name: &str| by_name.get(name).copied();
-    models.iter().enumerate().map(|(index, model)| joint(model, &find).map_err(inside(index))).collect()
+    let body = |name: &str| find("body", name, &by_name);
+    models.iter().enumerate().map(|(index, model)| joint(model, &body).map_err(inside(index))).collect()
 }
 
-/// A joint between bodies whose indices are found by their names.
-pub(crate) fn joint(model: &JointModel, find: &dyn Fn(&str) -> Option<usize>) -> Result<SceneJoint, FieldError> {
+/// A joint between bodies whose indices are found by their names, or what is wrong with a name.
+pub(crate) fn joint(
+    model: &JointModel,
+    body: &dyn Fn(&str) -> Result<usize, String>,
+) -> Result<SceneJoint, FieldError> {
     if let Some(name) = &model.name {
         check_name(name)?;
     }
     let Some(between) = &model.between else {
         return Err(FieldError::new("between", "is missing: give the names of two bodies"));
     };
-    let body = |name: &String| {
-        let unknown = || FieldError::new("between", format!("no body is called {name:?}"));
-        find(name).ok_or_else(unknown)
-    };
+    let body = |name: &String| body(name).map_err(|problem| FieldError::new("between", problem));
     let bodies = [body(&between.0[0])?, body(&between.0[1])?];
     if bodies[0] == bodies[1] {
         return Err(FieldError::new("between", "names one body twice"));

@@ -3,6 +3,7 @@
 use tumble::Settings;
 use tumble_import::FieldError;
 
+use crate::alike::unknown;
 use crate::convert;
 use crate::fields::body_path::in_body;
 use crate::fields::joint_path::in_joint;
@@ -238,19 +239,20 @@ fn find(
         };
     }
     // A name may be the beginning of another one, and may have dots and brackets itself.
+    let names: Vec<(usize, String)> = names.filter(|_| is_after_dot).collect();
     let named: Vec<_> = names
-        .filter(|_| is_after_dot)
+        .iter()
         .filter_map(|(index, name)| Some((name.len(), index, rest.strip_prefix(name.as_str())?.strip_prefix('.')?)))
         .collect();
     let longest = named.iter().map(|(length, ..)| *length).max();
     let mut of_longest = named.iter().filter(|(length, ..)| Some(*length) == longest);
     match (of_longest.next(), of_longest.next()) {
-        (Some((_, index, after)), None) => Ok((*index, segments(after))),
+        (Some((_, index, after)), None) => Ok((**index, segments(after))),
         (Some((length, ..)), Some(_)) => {
             let name = rest.get(..*length).unwrap_or_default();
             Err(format!("two {list} are called {name:?}: give an index"))
         }
-        (None, _) => Err(format!("no {one} is called {first:?}")),
+        (None, _) => Err(unknown(one, first, names.iter().map(|(_, name)| name))),
     }
 }
 

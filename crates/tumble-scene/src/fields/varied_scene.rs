@@ -6,6 +6,7 @@ use hecs::World;
 use tumble::{Settings, SettingsError, Trial};
 use tumble_import::FieldError;
 
+use crate::alike::find;
 use crate::bodies::scene_body::SceneBody;
 use crate::bodies::scene_joint::SceneJoint;
 use crate::bodies::scene_joints::SceneJoints;
@@ -144,8 +145,8 @@ impl VariedScene {
         varied_joints: &BTreeMap<usize, JointModel>,
     ) -> Result<World, SceneError> {
         let file = &self.origin;
-        let find = |index: usize| varied_bodies.get(&index).or_else(|| self.neighbours.get(&index));
-        let others = Others { by_name: &self.by_name, model: &find };
+        let model_of = |index: usize| varied_bodies.get(&index).or_else(|| self.neighbours.get(&index));
+        let others = Others { by_name: &self.by_name, model: &model_of };
         let mut remade = BTreeMap::new();
         for (&index, model) in varied_bodies {
             let body = convert::body(model, index, others);
@@ -153,7 +154,7 @@ impl VariedScene {
         }
         let mut remade_joints = BTreeMap::new();
         for (&index, model) in varied_joints {
-            let joint = convert::joints::joint(model, &|name| self.joint_ends.get(name).copied());
+            let joint = convert::joints::joint(model, &|name| find("body", name, &self.joint_ends));
             let inside = |error: FieldError| invalid(file, None, error.inside(&format!("joints[{index}]")));
             remade_joints.insert(index, joint.map_err(inside)?);
         }

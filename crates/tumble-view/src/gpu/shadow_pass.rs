@@ -31,7 +31,7 @@ impl ShadowPass {
         let params = PipelineParams {
             depth_test: Comparison::LessOrEqual,
             depth_write: true,
-            // Of a closed surface, the side away from the sun shades nothing that the other does not.
+            // Of a closed surface the side towards the sun shades all that the other side does.
             cull_face: CullFace::Back,
             color_write: (false, false, false, false),
             ..PipelineParams::default()

@@ -317,7 +317,9 @@ impl Simulation {
     /// Returns `alpha`, how far the frame is from the last step to the next, in
     /// [0, 1). Bodies with a [`PreviousPose`](crate::PreviousPose) are drawn at
     /// `previous.0.interpolate(&pose, alpha)`: smooth at any frame rate, one step late. A frame
-    /// time that is not positive and finite counts as none.
+    /// time that is not positive and finite counts as none. A frame of one step is
+    /// `f64::from(settings.dt)`: in `f32` a `dt` of `1.0 / 60.0` is a little longer than that in
+    /// `f64`, so that the first of such frames has no step.
     ///
     /// A frame has no step, or several: a [`Wrench`](crate::Wrench) added once a frame acts in the
     /// first of them only, and where there is none it waits and the next comes on top of it. Forces
