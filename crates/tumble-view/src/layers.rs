@@ -21,6 +21,7 @@ pub(crate) enum Layer {
     BodyNames,
     Grid,
     Water,
+    Shadows,
     Ledger,
     Settings,
     Times,
@@ -54,7 +55,7 @@ const fn info(
 }
 
 /// All layers, in the order of the legend.
-pub(crate) const LAYERS: [LayerInfo; 17] = [
+pub(crate) const LAYERS: [LayerInfo; 18] = [
     info(Layer::Momentum, "momentum", "momentum", (KeyCode::M, 'M'), DebugView::MOMENTUM),
     info(
         Layer::AngularMomentum,
@@ -80,6 +81,7 @@ pub(crate) const LAYERS: [LayerInfo; 17] = [
     info(Layer::BodyNames, "names", "names", (KeyCode::N, 'N'), WHITE),
     info(Layer::Grid, "grid", "grid", (KeyCode::G, 'G'), WHITE),
     info(Layer::Water, "water", "water", (KeyCode::U, 'U'), [0.35, 0.65, 0.85]),
+    info(Layer::Shadows, "shadows", "shadows", (KeyCode::K, 'K'), WHITE),
     info(Layer::Ledger, "ledger", "energy and momentum", (KeyCode::E, 'E'), WHITE),
     info(Layer::Settings, "settings", "settings", (KeyCode::P, 'P'), WHITE),
     info(Layer::Times, "times", "times of a frame", (KeyCode::D, 'D'), WHITE),
@@ -98,7 +100,8 @@ impl Layers {
     /// Of a scene by its number of moving bodies and of those that turn: arrows and names of a few
     /// explain, those of many hide.
     pub(crate) fn fitting(moving: usize, turning: usize) -> Self {
-        let mut all = vec![Layer::Springs, Layer::Trails, Layer::Grid, Layer::Water, Layer::Ledger, Layer::Legend];
+        let mut all = vec![Layer::Springs, Layer::Trails, Layer::Grid, Layer::Water];
+        all.extend([Layer::Shadows, Layer::Ledger, Layer::Legend]);
         if (2..=10).contains(&moving) {
             all.push(Layer::BodyNames);
         }

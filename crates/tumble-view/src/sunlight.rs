@@ -52,6 +52,12 @@ pub(crate) struct ShadowFrame {
 }
 
 impl ShadowFrame {
+    /// Every point is beside the map, so that nothing is shaded.
+    pub(crate) fn nowhere(sun: Sun) -> Self {
+        let matrix = DMat4::from_cols(DVec4::ZERO, DVec4::ZERO, DVec4::ZERO, DVec4::new(2.0, 0.0, 0.0, 1.0));
+        Self { sun, matrix, depth: 1.0, unit: 0.0 }
+    }
+
     /// For balls around bodies, by their middle and radius \[m\].
     pub(crate) fn new(sun: Sun, view: &View, balls: impl Iterator<Item = (DVec3, f64)>) -> Self {
         let axes = [sun.across, sun.above, -sun.towards];

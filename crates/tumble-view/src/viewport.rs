@@ -213,7 +213,11 @@ impl Viewport {
         let picture = Picture {
             view: &view,
             up: single3(self.camera.up.axis()),
-            shadows: ShadowFrame::new(self.sun, &view, self.shades(&view, &places)),
+            sun: self.sun,
+            shadows: self
+                .layers
+                .has(Layer::Shadows)
+                .then(|| ShadowFrame::new(self.sun, &view, self.shades(&view, &places))),
             background: canvas.background,
             bodies: &bodies,
             scenery: &scenery,

@@ -274,14 +274,19 @@ fn layers_have_their_colours() {
     assert!(with >= without + 40.0, "{with} {without}");
 }
 
+/// A plate above the ground, from above.
+fn picture_of_plate(place: &Place, height: f64, layers: &str) -> Option<Picture> {
+    fs::write(place.path("plate.json"), PLATE.replace("HEIGHT", &height.to_string())).unwrap();
+    let arguments = ["plate.json", "--screenshot", "a.png", "--show", layers, "--camera", "0,90", "--size", "1280x720"];
+    let output = place.on_screen(&arguments)?;
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    Some(Picture::read(place.path("a.png")))
+}
+
 /// The right edge of a plate's shadow on the ground, from above: how far it is from where it should
 /// be \[m\], and how many different brightnesses there are between shadow and light.
 fn edge_of_shadow(place: &Place, height: f64) -> Option<(f64, usize)> {
-    fs::write(place.path("plate.json"), PLATE.replace("HEIGHT", &height.to_string())).unwrap();
-    let arguments = ["plate.json", "--screenshot", "a.png", "--show", "none", "--camera", "0,90", "--size", "1280x720"];
-    let output = place.on_screen(&arguments)?;
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    let picture = Picture::read(place.path("a.png"));
+    let picture = picture_of_plate(place, height, "shadows")?;
     let (wide, high) = (picture.size.0 as usize, picture.size.1 as usize);
     let row = &picture.bytes[3 * wide * (high / 2)..][..3 * wide];
     let grey: Vec<u32> = row.chunks_exact(3).map(|color| color.iter().map(|&part| u32::from(part)).sum()).collect();
@@ -311,6 +316,13 @@ fn shadows_have_soft_edges() {
     assert!(off.abs() < 0.01 && off_near.abs() < 0.01, "{off} {off_near}");
     // A point of a picture is the mean of two across: with hard edges there would be one.
     assert!(levels >= 5 && levels > levels_near, "{levels} {levels_near}");
+    // Without them the same ground is brighter, on the right of the plate and nowhere else.
+    let [with, without] = ["shadows", "none"].map(|layers| picture_of_plate(&place, 0.6, layers).unwrap());
+    let wide = with.size.0 as usize;
+    let pixels = without.bytes.chunks_exact(3).zip(with.bytes.chunks_exact(3)).enumerate();
+    let darker = pixels.filter(|(_, (without, with))| without[1].saturating_sub(with[1]) > 15).map(|(at, _)| at % wide);
+    let darker: Vec<usize> = darker.collect();
+    assert!(darker.len() > 1000 && darker.iter().all(|x| 2 * x > wide), "{} {:?}", darker.len(), darker.iter().min());
 }
 
 /// Letters outside ASCII are written, and for those that the font lacks there is a mark.

@@ -8,7 +8,7 @@ use super::meshes::{Drawn, Meshes};
 use super::quad::blended;
 use super::{GpuError, Picture, shader};
 use crate::convert::single3;
-use crate::sunlight::MAP;
+use crate::sunlight::{MAP, ShadowFrame};
 
 const SHADER: [&str; 2] = [include_str!("../shaders/body.vert"), include_str!("../shaders/body.frag")];
 /// Tangent of the angle at which the radius of the sun is seen. It is larger than in the sky, so
@@ -67,7 +67,8 @@ impl BodyPass {
         meshes: &Meshes,
         shadows: TextureId,
     ) {
-        let (view, frame) = (picture.view, picture.shadows);
+        let view = picture.view;
+        let frame = picture.shadows.unwrap_or_else(|| ShadowFrame::nowhere(picture.sun));
         let uniforms = Uniforms {
             projection: view.matrix.as_mat4().to_cols_array(),
             light: frame.matrix.as_mat4().to_cols_array(),

@@ -15,7 +15,7 @@ use macroquad::miniquad::{PassAction, RenderPass, RenderingBackend};
 use crate::bodies::Bodies;
 use crate::camera::View;
 use crate::lines::Line;
-use crate::sunlight::ShadowFrame;
+use crate::sunlight::{ShadowFrame, Sun};
 
 pub(crate) use context::Gpu;
 pub(crate) use meshes::BodyInstance;
@@ -27,7 +27,9 @@ pub(crate) struct Picture<'a> {
     pub(crate) view: &'a View,
     /// Towards the sky.
     pub(crate) up: [f32; 3],
-    pub(crate) shadows: ShadowFrame,
+    pub(crate) sun: Sun,
+    /// The shadow map, if there are shadows.
+    pub(crate) shadows: Option<ShadowFrame>,
     pub(crate) background: Background,
     /// Bodies by their surface.
     pub(crate) bodies: &'a [Vec<BodyInstance>],
@@ -94,7 +96,9 @@ impl Renderer {
     pub(crate) fn draw(&mut self, gpu: &mut Gpu, pass: Option<RenderPass>, picture: &Picture<'_>) {
         gpu.with(|context| {
             self.meshes.write(context, picture.bodies);
-            self.shadows.draw(context, &picture.shadows, &self.meshes);
+            if let Some(frame) = &picture.shadows {
+                self.shadows.draw(context, frame, &self.meshes);
+            }
             context.begin_pass(
                 pass,
                 PassAction::Clear { color: Some((0.0, 0.0, 0.0, 1.0)), depth: Some(1.0), stencil: None },
