@@ -3,7 +3,6 @@
 mod comparison;
 mod draw;
 mod free_body;
-mod instruction_sets;
 pub mod meshes;
 pub mod references;
 mod simulation;
@@ -14,7 +13,6 @@ pub use comparison::{
 };
 pub use draw::Draw;
 pub use free_body::{Elliptic, FreeBody, Sample, Translation};
-pub use instruction_sets::run_on_every_instruction_set;
 pub use simulation::{hash, run, simulation, weightless};
 
 /// The snippets of the documents, run as doctests.

@@ -41,7 +41,9 @@ fn braked_bodies() -> World {
     world
 }
 
+#[path = "shared/coupled/mod.rs"]
 mod coupled;
+#[path = "shared/mechanisms/mod.rs"]
 mod mechanisms;
 use mechanisms::{Class, Options, add_options, mechanism};
 

@@ -69,7 +69,7 @@ const IMPORT: [&str; 14] = [
     "lib",
 ];
 /// The same of the crate of scenes.
-const SCENE: [&str; 12] = [
+const SCENE: [&str; 13] = [
     "error", "limits", "alike", "written", "values", "bodies", "model", "convert", "builtin", "scene", "audit",
     "fields", "lib",
 ];

@@ -3,7 +3,7 @@
 //! The library's own tests try thousands of texts; these few go all the way through the program,
 //! where a stack overflow or an abort would show as a signal and a panic as exit code 101.
 
-mod support;
+use crate::support;
 
 use proptest::prelude::*;
 use support::{Place, stderr};

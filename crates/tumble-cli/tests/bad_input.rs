@@ -3,7 +3,7 @@
 //! A user with a scene of a thousand bodies must be told which number is wrong. It would fail if a
 //! check were missing, came after the first step, or lost the place on its way to the message.
 
-mod support;
+use crate::support;
 
 use support::{Place, stderr};
 

@@ -3,9 +3,7 @@
 //!
 //! It is the tool to find out why a scene is refused. It would fail if it stopped at the first bad
 //! body, or if a key of its JSON changed.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
-
-mod support;
+use crate::support;
 
 use support::{Place, stderr};
 

@@ -2,9 +2,7 @@
 //!
 //! It is what one reaches for when a robot explodes or a part weighs nothing. It would fail if a
 //! bad link hid the others, if a mesh with a hole had a mass, or if a picture were not well-formed.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
-
-mod support;
+use crate::support;
 
 use support::{Place, stderr};
 

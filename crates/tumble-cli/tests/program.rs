@@ -3,9 +3,7 @@
 //!
 //! It would fail if a slip of the finger got no answer that helps, if a script could not read a
 //! run, or if a file or a pipe got the colours of a terminal.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
-
-mod support;
+use crate::support;
 
 use serde_json::Value;
 use support::{Place, stderr, wait_for};

@@ -3,9 +3,7 @@
 //! People open it, mail it and keep it. It would fail if it loaded anything, if a name in a scene
 //! file could run as a script, if a large run made it too large to open, or if it did not say what
 //! it leaves out.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
-
-mod support;
+use crate::support;
 
 use std::collections::BTreeSet;
 

@@ -2,9 +2,7 @@
 //!
 //! Scripts and notebooks read these files. It would fail if a key, a column or a rule for steps
 //! changed.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
-
-mod support;
+use crate::support;
 
 use support::Place;
 

@@ -2,9 +2,7 @@
 //!
 //! It would fail if a largest value missed a step, if a world went on past its condition, if a list
 //! lost a value, or if fields of one draw had two.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
-
-mod support;
+use crate::support;
 
 use support::Place;
 

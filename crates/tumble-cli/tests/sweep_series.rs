@@ -4,9 +4,7 @@
 //!
 //! It would fail if a step was missed or came twice, if the series and the rows of a killed sweep
 //! were of different worlds, or if the file of something else was cut.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
-
-mod support;
+use crate::support;
 
 use support::Place;
 

@@ -5,9 +5,7 @@
 //! if one string of one format reached standard output or error on a way of its own: every string,
 //! key and word of sample files is made hostile in turn, and each file is given to every command
 //! that takes it.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
-
-mod support;
+use crate::support;
 
 use std::path::Path;
 use std::process::Output;

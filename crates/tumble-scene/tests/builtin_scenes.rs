@@ -2,7 +2,6 @@
 //!
 //! They are what the documentation and the benchmarks point at; a slip in a file would make every
 //! comparison with a published result wrong without anything failing.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 #![allow(
     clippy::excessive_precision,
     reason = "figures are quoted with all the digits they were published or computed with"

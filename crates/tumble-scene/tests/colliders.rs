@@ -3,8 +3,6 @@
 //! touch wherever the engine can make them, or are named.
 //!
 //! Why: a collider that is read and dropped lets bodies fall through a floor that everyone sees.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
-
 use glam::DVec3;
 use hecs::World;
 use tumble::{BodyOrder, Collider, CombineRule, Pose, Simulation};

@@ -2,8 +2,6 @@
 //! stands, what is to fall falls, and nothing goes through the ground or a wall.
 //!
 //! Why: they are what people open first. Each test asserts what one would look for.
-#![allow(clippy::unwrap_used, reason = "a scene that cannot be run is a failed test")]
-
 use std::f64::consts::TAU;
 
 use glam::DVec3;

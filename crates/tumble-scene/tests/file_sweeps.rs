@@ -4,7 +4,6 @@
 //!
 //! Why: an arm that is posed about the wrong axis or in the wrong sense, or a mass that changes
 //! without its moments, still moves and looks right.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 #![allow(clippy::useless_conversion, clippy::unnecessary_cast, reason = "Real is f64 in one of the two builds")]
 
 use std::f64::consts::PI;
@@ -17,7 +16,7 @@ use tumble::{BodyId, BodyOrder, Collider, Joint, JointLoad, Pose, Trial, Velocit
 use tumble_import::InertiaRepairs;
 use tumble_scene::{RunLength, RunOverrides, Scene, SceneTemplate};
 
-mod precision;
+use crate::precision;
 use precision::by_precision;
 
 fn template(text: &str, ending: &str) -> SceneTemplate {

@@ -5,8 +5,6 @@
 //!
 //! Why: they are what the documentation shows forces with. A force with a wrong sign, a potential
 //! that does not belong to it, or work that is booked twice, would show here and in no picture.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
-
 use std::f64::consts::TAU;
 
 use glam::DVec3;
@@ -14,7 +12,7 @@ use hecs::World;
 use tumble::{BodyId, Ledger, LedgerEntry, Momentum, Pose, Simulation, Totals};
 use tumble_scene::Scene;
 
-mod precision;
+use crate::precision;
 use precision::by_precision;
 
 struct Run {

@@ -3,8 +3,6 @@
 //!
 //! Why: a default that differs from what the documentation says, or a point that is taken from
 //! another origin, makes a simulation that is wrong and looks right.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
-
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{

@@ -4,7 +4,6 @@
 //!
 //! Why: a ratio that is taken the wrong way round, or an offset with the wrong sign, moves a
 //! gripper that looks right where both fingers are alike.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 #![allow(clippy::useless_conversion, clippy::unnecessary_cast, reason = "Real is f64 in one of the two builds")]
 
 use std::f64::consts::TAU;
@@ -15,8 +14,8 @@ use tumble::math::Real;
 use tumble::{Axes, Drive, Drives, Gear, JointLoad, Simulation};
 use tumble_scene::{Audit, BodyNames, RunOverrides, Scene, SceneTemplate};
 
-mod axes;
-mod precision;
+use crate::axes;
+use crate::precision;
 use axes::AXES;
 use precision::by_precision;
 

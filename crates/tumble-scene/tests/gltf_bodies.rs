@@ -4,11 +4,9 @@
 //! They carry no licence, so they are not part of this repository. `TUMBLE_GLTF_CASES` names their
 //! folder; the default is `shared/cases/gltf` beside the repository. Where there is none, the tests
 //! say so and pass.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helper functions too")]
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 
-#[path = "../../tumble-import/tests/cases/mod.rs"]
-mod cases;
+use crate::cases;
 
 use cases::{cases, expected};
 use glam::{DQuat, DVec3};

@@ -3,12 +3,9 @@
 //! against the joint's. What the engine has no like of is named.
 //!
 //! Why: a sign or an axis taken for another makes a door that opens into the wall.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 
-#[path = "../../tumble-import/tests/cases/mod.rs"]
-#[allow(dead_code, reason = "this test uses a part of it")]
-mod cases;
+use crate::cases;
 
 use cases::cases;
 use glam::{DQuat, DVec3};

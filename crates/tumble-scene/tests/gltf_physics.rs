@@ -3,7 +3,6 @@
 //!
 //! Why: velocities in the node's frame, scales, defaults and infinities are where readers of these
 //! drafts differ, and a body that is read wrong moves and looks right.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 
 use std::path::{Path, PathBuf};

@@ -3,8 +3,6 @@
 //!
 //! Why: a row of heights for a column, a grid that is off by half a cell, or a bit for a number,
 //! and bodies float above the ground that is drawn, or fall through it.
-#![allow(clippy::unwrap_used, reason = "a scene that cannot be run is a failed test")]
-
 use glam::DVec3;
 use hecs::World;
 use tumble::{BodyOrder, Pose, Simulation};

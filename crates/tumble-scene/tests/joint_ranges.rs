@@ -3,7 +3,6 @@
 //!
 //! Why: angles are read from -pi to pi, so a bound beyond has to be met by what comes round to it.
 //! A reader that cuts it, or turns it back by a turn, stops an arm too early or at once.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 #![allow(clippy::useless_conversion, clippy::unnecessary_cast, reason = "Real is f64 in one of the two builds")]
 
 use std::f64::consts::{PI, TAU};
@@ -14,7 +13,7 @@ use tumble::math::{Real, Vec3};
 use tumble::{Axes, Drive, Drives, Joint, JointLoad, Simulation};
 use tumble_scene::Scene;
 
-mod precision;
+use crate::precision;
 use precision::by_precision;
 
 /// How fast a joint is driven [rad/s].

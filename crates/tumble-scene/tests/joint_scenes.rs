@@ -6,7 +6,6 @@
 //!
 //! Why: they are what the documentation shows joints with, and the first thing that people try. A
 //! drive with a wrong sign, a limit that is overrun or a joint that makes energy would show here.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking, in its helper functions too")]
 #![allow(clippy::useless_conversion, reason = "Real is f64 in one of the two builds")]
 
 use std::collections::HashMap;
@@ -16,7 +15,7 @@ use hecs::{Entity, World};
 use tumble::{Axes, Drives, Gain, Joint, JointLoad, Ledger, Limits, Pose, Simulation, Velocity};
 use tumble_scene::Scene;
 
-mod precision;
+use crate::precision;
 use precision::by_precision;
 
 struct Run {

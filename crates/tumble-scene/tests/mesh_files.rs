@@ -6,8 +6,6 @@
 //! It would fail by a quad cut into one triangle, a polyline taken for a face, a binary STL taken
 //! for text, or a count in a header that is believed.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
-
 use std::path::{Path, PathBuf};
 
 use proptest::prelude::*;

@@ -2,8 +2,6 @@
 //!
 //! A reader that panics takes the program down without saying which file was at fault. It would
 //! fail by an index, an overflow or an `unwrap` on a path that no hand-written example takes.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
-
 use proptest::prelude::*;
 use tumble_scene::{Audit, Scene, SceneError};
 

@@ -4,7 +4,6 @@
 //!
 //! Why: an axis that is taken in the wrong frame, or a sense of rotation the wrong way round, gives
 //! a robot that moves and looks right until it is driven.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 #![cfg_attr(
     feature = "f64",
     allow(clippy::useless_conversion, clippy::unnecessary_cast, reason = "Real is f64 here, f32 in the other build")

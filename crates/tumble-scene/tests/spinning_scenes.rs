@@ -5,7 +5,6 @@
 //! Why: they are the two experiments of docs/spinning.md, and their figures stand there. It fails
 //! if springs give a system a torque, if a compound's moments or centre are off, or if free
 //! rotation leaves its cone.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 
 use std::f64::consts::TAU;
@@ -16,7 +15,7 @@ use tumble::math::Real;
 use tumble::{BodyOrder, Momentum, Pose, Rng, Simulation, Totals, Velocity};
 use tumble_scene::Scene;
 
-mod precision;
+use crate::precision;
 use precision::SINGLE;
 
 struct Run {

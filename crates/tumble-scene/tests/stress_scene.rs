@@ -2,8 +2,6 @@
 //!
 //! Published speeds and hashes are worth nothing if the scene behind them changes. It would fail if
 //! the generator, the order of its draws or the arithmetic after it changed.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
-
 use hecs::World;
 use tumble::{BodyId, BodyOrder, Momentum, Pose, state_hash};
 use tumble_import::FileError;

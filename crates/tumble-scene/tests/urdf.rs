@@ -7,8 +7,6 @@
 //! off-diagonal element, by a rotation taken the wrong way or about moving axes, or by a first
 //! mistake that hides the others.
 
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
-
 use proptest::prelude::*;
 use serde_json::Value;
 use tumble::Pose;

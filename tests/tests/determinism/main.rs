@@ -1,0 +1,14 @@
+//! Same bits: pinned, and compared over threads, instruction sets and orders.
+
+mod contact_determinism;
+#[path = "../shared/coupled/mod.rs"]
+mod coupled;
+mod coupled_determinism;
+mod determinism;
+mod helper_determinism;
+mod instruction_sets;
+mod joint_determinism;
+#[path = "../shared/mechanisms/mod.rs"]
+mod mechanisms;
+#[path = "../shared/pile/mod.rs"]
+mod pile;
