@@ -99,7 +99,7 @@ impl Playback {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::playback::tests::{hash, open};
+    use crate::playback::tests::open;
 
     const SHOT: Shot = Shot { from: DVec3::new(0.0, 3.0, 20.0), velocity: DVec3::new(0.0, 0.0, -20.0), radius: 0.4 };
 
@@ -118,7 +118,7 @@ mod tests {
         playback.restart().unwrap();
         assert_eq!((playback.bodies.all.len(), playback.order.len()), (scene, scene));
         (0..20).for_each(|_| playback.step());
-        assert_eq!(hash(&playback), hash(&undisturbed));
+        assert_eq!(playback.hash(), undisturbed.hash());
     }
 
     #[test]
@@ -143,7 +143,7 @@ mod tests {
         let mut playback = open("pyramid");
         playback.keep_past();
         playback.step();
-        let before = hash(&playback);
+        let before = playback.hash();
         for _ in 0..MAX_BALLS + 3 {
             playback.shoot(&SHOT).unwrap();
             playback.step();
@@ -156,7 +156,7 @@ mod tests {
         assert!(playback.step_back());
         assert_eq!(playback.bodies.all.len(), playback.balls.first);
         playback.step();
-        assert_eq!(hash(&playback), before);
+        assert_eq!(playback.hash(), before);
     }
 
     #[test]

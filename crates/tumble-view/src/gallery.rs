@@ -2,10 +2,11 @@
 //! has changed.
 
 use std::path::PathBuf;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, SystemTime};
 
 use tumble_scene::Scene;
 
+use crate::clock::Instant;
 use crate::failure::Failure;
 use crate::options::{Options, ViewOptions};
 use crate::playback::pace;
@@ -52,6 +53,14 @@ impl Gallery {
             Change::More => (self.at + 1) % count,
             Change::Less => (self.at + count - 1) % count,
         };
+        self.watch();
+        self.open()
+    }
+
+    /// The built-in scene of this index in the order of names, if there is one.
+    pub(crate) fn show(&mut self, builtin: usize) -> Result<(Viewport, f64), Failure> {
+        let name = tumble_scene::builtin_names().nth(builtin);
+        self.at = self.names.iter().position(|known| Some(known.as_str()) == name).unwrap_or(self.at);
         self.watch();
         self.open()
     }

@@ -107,7 +107,7 @@ mod tests {
     use super::*;
     use crate::camera::{Camera, Up};
     use crate::convert::dvec3;
-    use crate::playback::tests::{hash, open};
+    use crate::playback::tests::open;
 
     const SIZE: DVec2 = DVec2::new(1280.0, 720.0);
 
@@ -177,12 +177,12 @@ mod tests {
             hand.release(&mut playback);
             playback.restart().unwrap();
             let mut undisturbed = open(scene);
-            assert_eq!(hash(&playback), hash(&undisturbed), "{scene}");
+            assert_eq!(playback.hash(), undisturbed.hash(), "{scene}");
             (0..10).for_each(|_| {
                 playback.step();
                 undisturbed.step();
             });
-            assert_eq!(hash(&playback), hash(&undisturbed), "{scene}");
+            assert_eq!(playback.hash(), undisturbed.hash(), "{scene}");
         }
     }
 }

@@ -16,6 +16,7 @@ mod arrows;
 mod balls;
 mod bodies;
 mod camera;
+mod clock;
 mod colliders;
 mod convert;
 mod failure;
@@ -29,6 +30,7 @@ mod lines;
 mod open_window;
 mod options;
 mod overlay;
+mod page;
 mod palette;
 mod pick;
 mod picture;
@@ -55,7 +57,11 @@ const BAD_USAGE: u8 = 2;
 
 fn main() -> ExitCode {
     std::panic::set_hook(Box::new(|panic| print(&format_args!("{panic}\n"))));
-    let options = match Options::try_parse() {
+    #[cfg(target_family = "wasm")]
+    let parsed = Options::try_parse_from(page::begin());
+    #[cfg(not(target_family = "wasm"))]
+    let parsed = Options::try_parse();
+    let options = match parsed {
         Ok(options) => options,
         Err(error) if error.use_stderr() => {
             print(&error.render());

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use macroquad::miniquad::conf::{LinuxBackend, Platform};
+use macroquad::miniquad::conf::{LinuxBackend, Platform, WebGLVersion};
 use macroquad::window::Conf;
 
 use crate::animation::write_gif;
@@ -32,7 +32,13 @@ pub(crate) fn open(viewport: Viewport, task: Task<Output>, pace: f64, options: &
         high_dpi: true,
         sample_count: SAMPLES,
         window_resizable: true,
-        platform: Platform { linux_backend: backend(), linux_wm_class: "tumble-view", ..Platform::default() },
+        platform: Platform {
+            linux_backend: backend(),
+            linux_wm_class: "tumble-view",
+            // The first has no indices of 32 bits.
+            webgl_version: WebGLVersion::WebGL2,
+            ..Platform::default()
+        },
         ..Conf::default()
     };
     let options = options.clone();

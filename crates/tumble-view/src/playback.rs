@@ -1,6 +1,6 @@
 //! A scene that is being run, at a pace that people can follow.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
@@ -13,6 +13,7 @@ use tumble_scene::Scene;
 use crate::balls::Balls;
 use crate::bodies::{Bodies, Placed};
 use crate::camera::Ray;
+use crate::clock::Instant;
 use crate::convert::real;
 use crate::failure::Failure;
 use crate::pick::ExactHit;
@@ -240,6 +241,11 @@ impl Playback {
         }
     }
 
+    /// Of the state that steps have reached.
+    pub(crate) fn hash(&self) -> u64 {
+        tumble::state_hash(&self.world, &self.order)
+    }
+
     /// Energy and momentum now.
     pub(crate) fn totals(&self) -> Totals {
         Totals::of(&self.world, self.simulation.settings(), &self.order)
@@ -277,10 +283,6 @@ pub(crate) mod tests {
         Playback::of(Scene::open(scene).unwrap()).unwrap()
     }
 
-    pub(crate) fn hash(playback: &Playback) -> u64 {
-        tumble::state_hash(&playback.world, &playback.order)
-    }
-
     #[test]
     fn scenes_are_watched_in_half_a_minute_or_in_real_time() {
         assert_eq!(pace(&Scene::open("t-handle").unwrap()), 1.0);
@@ -302,7 +304,7 @@ pub(crate) mod tests {
         let mut run = open("raft");
         run.go_to(1.0);
         assert_eq!((seen.simulation.steps(), run.simulation.steps()), (100, 100));
-        assert_eq!(hash(&seen), hash(&run));
+        assert_eq!(seen.hash(), run.hash());
     }
 
     #[test]
@@ -325,19 +327,19 @@ pub(crate) mod tests {
     fn a_restart_is_the_beginning() {
         for scene in ["raft", "t-handle", "solar-system", "pyramid"] {
             let mut playback = open(scene);
-            let (beginning, place) = (hash(&playback), playback.place()[0].center);
+            let (beginning, place) = (playback.hash(), playback.place()[0].center);
             for _ in 0..10 {
                 playback.step();
             }
-            let after = hash(&playback);
+            let after = playback.hash();
             assert_ne!(after, beginning);
             playback.restart().unwrap();
-            assert_eq!((hash(&playback), playback.place()[0].center), (beginning, place), "{scene}");
+            assert_eq!((playback.hash(), playback.place()[0].center), (beginning, place), "{scene}");
             assert_eq!((playback.simulation.steps(), playback.time()), (0, 0.0));
             for _ in 0..10 {
                 playback.step();
             }
-            assert_eq!(hash(&playback), after, "{scene}");
+            assert_eq!(playback.hash(), after, "{scene}");
         }
     }
 
@@ -349,16 +351,16 @@ pub(crate) mod tests {
         let hashes: Vec<u64> = (0..20)
             .map(|_| {
                 playback.step();
-                hash(&playback)
+                playback.hash()
             })
             .collect();
         for before in hashes.iter().rev().skip(1) {
             assert!(playback.step_back());
-            assert_eq!(hash(&playback), *before);
+            assert_eq!(playback.hash(), *before);
         }
         assert!(playback.step_back() && !playback.step_back(), "before the first step there is none");
         playback.step();
-        assert_eq!(hash(&playback), hashes[0]);
+        assert_eq!(playback.hash(), hashes[0]);
     }
 
     #[test]
@@ -376,7 +378,7 @@ pub(crate) mod tests {
             let mut playback = open("raft");
             playback.times = times;
             assert!(playback.advance(0.205, Duration::MAX));
-            hash(&playback)
+            playback.hash()
         };
         assert_eq!(run(None), run(Some(PhaseTimes::default())));
     }

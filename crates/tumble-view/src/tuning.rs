@@ -214,7 +214,7 @@ mod tests {
     use tumble_scene::Scene;
 
     use super::*;
-    use crate::playback::tests::{self, hash};
+    use crate::playback::tests;
 
     fn open(scene: &str) -> (Playback, Tuning) {
         let playback = tests::open(scene);
@@ -309,7 +309,7 @@ mod tests {
     fn speed_does_not_touch_the_engine() {
         let (mut playback, mut tuning) = open("t-handle");
         playback.simulation.step(&mut playback.world);
-        let (before, start) = (hash(&playback), playback.start);
+        let (before, start) = (playback.hash(), playback.start);
         (0..20).for_each(|_| tuning.turn_speed(Change::Less));
         assert_eq!(tuning.speed(), 1.0 / 64.0);
         let last = tuning.sliders(playback.simulation.settings()).pop().unwrap();
@@ -317,7 +317,7 @@ mod tests {
         tuning.slide(&mut playback, KNOBS.len() - 1, 0.5).unwrap();
         assert_eq!(tuning.speed(), 1.0);
         tuning.turn_speed(Change::More);
-        assert_eq!((hash(&playback), playback.start), (before, start));
+        assert_eq!((playback.hash(), playback.start), (before, start));
         let mut other = open("pyramid").1;
         other.keep_speed(&tuning);
         assert_eq!(other.speed(), 2.0);

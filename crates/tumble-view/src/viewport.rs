@@ -4,7 +4,7 @@ mod acts;
 mod scenery;
 mod surfaces;
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use macroquad::miniquad::RenderPass;
 use tumble::glam::{DVec2, DVec3};
@@ -14,6 +14,7 @@ use tumble_scene::Scene;
 use crate::arrows::{self, Largest};
 use crate::bodies::Placed;
 use crate::camera::{Camera, DISTANCES, View};
+use crate::clock::Instant;
 use crate::convert::{dvec3, single3};
 use crate::failure::Failure;
 use crate::framing::{self, Frame};
@@ -23,6 +24,7 @@ use crate::layers::{Layer, Layers};
 use crate::lines::{Line, Marks};
 use crate::options::ViewOptions;
 use crate::overlay::{Label, Overlay};
+use crate::page;
 use crate::playback::Playback;
 use crate::readout::{self, Row};
 use crate::sunlight::{ShadowFrame, Sun};
@@ -79,7 +81,14 @@ pub(crate) struct Viewport {
     arrow_length: f64,
     /// How often the ledger takes its sums: they take time where many bodies attract each other.
     pub(crate) books_every: Duration,
-    books: Option<(Instant, Totals)>,
+    books: Option<(Instant, Books)>,
+}
+
+/// Sums over all bodies, and the hash of their state.
+#[derive(Clone, Copy, Debug)]
+struct Books {
+    totals: Totals,
+    hash: u64,
 }
 
 /// Where a picture is drawn to.
@@ -286,20 +295,22 @@ impl Viewport {
         marks.lines
     }
 
-    /// Energy and momentum, not long ago.
-    fn totals(&mut self) -> Totals {
-        if let Some((made, totals)) = self.books
+    /// Energy, momentum and hash, not long ago.
+    fn books(&mut self) -> Books {
+        if let Some((made, books)) = self.books
             && made.elapsed() < self.books_every
         {
-            return totals;
+            return books;
         }
-        let totals = self.playback.totals();
-        self.books = Some((Instant::now(), totals));
-        totals
+        let books = Books { totals: self.playback.totals(), hash: self.playback.hash() };
+        page::show(self.playback.simulation.steps(), books.hash);
+        self.books = Some((Instant::now(), books));
+        books
     }
 
     fn overlay(&mut self, view: &View, places: &[Placed], marks: &Marks, status: String) -> Overlay {
-        let totals = self.layers.has(Layer::Ledger).then(|| self.totals());
+        let shows_books = self.layers.has(Layer::Ledger);
+        let books = (shows_books || page::IS_THERE).then(|| self.books());
         let bodies = &self.playback.bodies.all;
         let mut labels: Vec<Label> = marks
             .labels
@@ -320,7 +331,7 @@ impl Viewport {
             title: self.title.clone(),
             status,
             layers: self.layers,
-            ledger: totals.map_or_else(Vec::new, |now| self.ledger(&now)),
+            ledger: books.filter(|_| shows_books).map_or_else(Vec::new, |now| self.ledger(&now)),
             settings: if self.layers.has(Layer::Settings) {
                 self.tuning.sliders(self.playback.simulation.settings())
             } else {
@@ -333,10 +344,12 @@ impl Viewport {
         }
     }
 
-    fn ledger(&self, now: &Totals) -> Vec<Row> {
+    fn ledger(&self, Books { totals: now, hash }: &Books) -> Vec<Row> {
         let lost = self.playback.bodies.all.iter().find(|body| now.non_finite == Some(body.entity));
         let lost = lost.map(|body| body.name.as_str());
-        readout::ledger(&self.playback.start, (self.playback.scale, self.playback.kept), now, lost)
+        let mut rows = readout::ledger(&self.playback.start, (self.playback.scale, self.playback.kept), now, lost);
+        rows.push((format!("state {hash:016x}"), String::new()));
+        rows
     }
 }
 
@@ -410,8 +423,9 @@ mod tests {
         assert_eq!(aim(&mut viewport), last);
         viewport.set_follow(Follow::Body(0));
         assert_eq!(aim(&mut viewport), last);
-        let named = viewport.ledger(&viewport.playback.totals()).pop().unwrap().0;
-        assert_eq!(named, "not finite: box-0-0");
+        let rows = viewport.ledger(&Books { totals: viewport.playback.totals(), hash: 1 });
+        let [.., (named, _), (state, _)] = &rows[..] else { panic!("{rows:?}") };
+        assert_eq!([named.as_str(), state], ["not finite: box-0-0", "state 0000000000000001"]);
     }
 
     /// What is drawn goes as far as the bodies are, also where the camera follows none of them.

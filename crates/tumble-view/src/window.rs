@@ -1,6 +1,6 @@
 //! The window: what keys and mouse do.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use macroquad::input::{
     KeyCode, MouseButton, is_key_down, is_key_pressed, is_mouse_button_down, is_mouse_button_pressed,
@@ -11,6 +11,7 @@ use macroquad::window::{next_frame, screen_height, screen_width};
 use tumble::PhaseTimes;
 use tumble::glam::DVec2;
 
+use crate::clock::Instant;
 use crate::failure::Failure;
 use crate::framing::{PITCH, YAW};
 use crate::gallery::Gallery;
@@ -18,6 +19,7 @@ use crate::gpu::{Background, Gpu, Renderer};
 use crate::layers::{LAYERS, Layer};
 use crate::options::Options;
 use crate::overlay::Writer;
+use crate::page;
 use crate::readout;
 use crate::sliders::{Grip, Panel};
 use crate::tuning::Change;
@@ -79,7 +81,9 @@ pub(crate) async fn show(
             prepare(&mut viewport);
             renderer.replace_bodies(&mut gpu, &viewport.playback.bodies);
         }
-        viewport.playback.times = viewport.layers.has(Layer::Times).then(PhaseTimes::default);
+        // A browser has no clock for the phases of a step.
+        let is_timed = viewport.layers.has(Layer::Times) && cfg!(not(target_family = "wasm"));
+        viewport.playback.times = is_timed.then(PhaseTimes::default);
         controls.keys(&mut viewport, size)?;
         controls.settings(&mut viewport);
         controls.mouse(&mut viewport, size);
@@ -121,13 +125,15 @@ impl Controls {
     /// Another scene, where one was asked for or its file has changed. One that cannot be opened is
     /// reported, and the scene that is shown goes on.
     fn other_scene(&mut self, gallery: &mut Gallery, viewport: &mut Viewport) -> Option<Viewport> {
-        let opened = match pressed([(KeyCode::PageUp, Change::Less), (KeyCode::PageDown, Change::More)]) {
-            Some(change) => gallery.turn(change),
-            None if gallery.has_changed(Instant::now()) => gallery.open().map(|(mut new, pace)| {
+        let turned = pressed([(KeyCode::PageUp, Change::Less), (KeyCode::PageDown, Change::More)]);
+        let opened = match (page::chosen_scene(), turned) {
+            (Some(builtin), _) => gallery.show(builtin),
+            (None, Some(change)) => gallery.turn(change),
+            (None, None) if gallery.has_changed(Instant::now()) => gallery.open().map(|(mut new, pace)| {
                 new.keep_view_of(viewport);
                 (new, pace)
             }),
-            None => return None,
+            (None, None) => return None,
         };
         match opened {
             Ok((mut new, pace)) => {

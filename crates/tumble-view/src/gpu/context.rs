@@ -1,4 +1,4 @@
-//! The way to the graphics card, and the only unsafe code of this crate.
+//! The way to the graphics card: the only unsafe code of this crate but for what `page.rs` imports in a browser.
 
 use macroquad::miniquad::RenderingBackend;
 use macroquad::window::get_internal_gl;
