@@ -1,15 +1,14 @@
-// Serves the window that `crates/tumble-view/web/build` has made and opens it: it runs, its buttons do what they say, and the state
-// of a scene after some steps has the hash that the program prints for it.
+// Serves the window that `crates/tumble-view/web/build` has made and opens it: it runs, its buttons do
+// what they say, and the state of a scene after some steps has the hash that the program prints for it.
 //
 // usage: node window.mjs PROGRAM [BROWSER]
 
 import { execFileSync } from 'node:child_process';
-import { createReadStream, existsSync, mkdirSync } from 'node:fs';
+import { createReadStream, existsSync, mkdirSync, readFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { dirname, extname, join, resolve } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
-import { readFileSync } from 'node:fs';
 
 import { chromium } from 'playwright-core';
 
@@ -102,19 +101,35 @@ for (const scene of compared) {
   await button('Space');
 }
 
-// Shift and a drag throw a body: the state is another than without.
+const same = () => page.textContent('#same');
 await page.selectOption('#scenes', 'bowling');
-await until(({ step }) => step > 0 && step < 60, 20_000);
-await button('KeyO');
-await page.waitForTimeout(1500);
+await until(({ step }) => step > 0 && step < 20, 20_000);
 await button('Space');
 await page.waitForTimeout(500);
-const shot = await read();
-check('a ball that is shot is in the state', shot.hash !== hashOf('bowling', shot.step));
+const before = await read();
+check('an untouched scene names its command', (await same()).endsWith(`tumble run bowling --steps ${before.step}`));
+check('and has its bits', before.hash === hashOf('bowling', before.step));
+await button('KeyO');
+await page.waitForTimeout(500);
+check('a ball that is shot changes it', (await same()) === 'changed by hand' && (await read()).hash !== before.hash);
+await button('KeyR');
+await page.waitForTimeout(500);
+check('a restart is the scene again', (await same()).endsWith('tumble run bowling --steps 0'));
+// Shift-drag over the middle grabs what is there; the page down key goes to the next scene.
+await page.focus('#glcanvas');
+await page.keyboard.press('PageDown');
+await page.waitForTimeout(1000);
+check('the list follows the keys', (await page.inputValue('#scenes')) === 'clockwork');
+await page.keyboard.press('q');
+await page.waitForTimeout(500);
+const alive = (await read()).step;
+check('Q does not end it', (await until(({ step }) => step > alive, 5000)).step > alive || (await same()).includes('tumble run'));
 
 await page.setViewportSize({ width: 390, height: 844 });
 await page.waitForTimeout(1000);
 await page.screenshot({ path: join(output, 'phone.png') });
+const fits = await page.evaluate(() => canvas.width === Math.floor(canvas.clientWidth * devicePixelRatio) && canvas.height === Math.floor(canvas.clientHeight * devicePixelRatio));
+check('the picture has the size of its place', fits);
 check('no wider than a phone', await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
 check('nothing is said on the console', said.length === 0, said.join(' | '));
 await browser.close();

@@ -81,7 +81,10 @@ fn main() -> ExitCode {
 
 /// Writes to standard error with what a terminal would obey escaped, but for ends of lines.
 fn print(text: &impl std::fmt::Display) {
-    drop(write!(std::io::stderr().lock(), "{}", printable_lines(&text.to_string())));
+    let text = printable_lines(&text.to_string()).to_string();
+    #[cfg(target_family = "wasm")]
+    page::fail(&text);
+    drop(std::io::stderr().lock().write_all(text.as_bytes()));
 }
 
 /// Writes a line to standard error; if even that is closed, the exit code has to do.

@@ -14,6 +14,7 @@ use crate::failure::Failure;
 use crate::gpu::{Background, Gpu, Renderer};
 use crate::options::{Options, Task};
 use crate::overlay::Writer;
+use crate::page;
 use crate::picture::{Easel, Output, write_png};
 use crate::viewport::Viewport;
 use crate::window;
@@ -50,6 +51,12 @@ pub(crate) fn open(viewport: Viewport, task: Task<Output>, pace: f64, options: &
         macroquad::Window::from_config(conf, async move {
             is_open.store(true, Ordering::Relaxed);
             let result = perform(viewport, task, pace, options).await;
+            // A page has no one who waits for the end.
+            if let Err(failure) = &result
+                && page::IS_THERE
+            {
+                crate::say(failure);
+            }
             *in_window.borrow_mut() = result;
         });
     })?;

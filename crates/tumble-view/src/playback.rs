@@ -53,6 +53,8 @@ pub(crate) struct Playback {
     pub(crate) balls: Balls,
     /// Whether the course is another than the scene's, for someone interfered.
     interfered: bool,
+    /// Whether settings have been changed, which a restart keeps.
+    pub(crate) settings_changed: bool,
 }
 
 impl Playback {
@@ -87,6 +89,7 @@ impl Playback {
             times: None,
             balls,
             interfered: false,
+            settings_changed: false,
         })
     }
 
@@ -239,6 +242,11 @@ impl Playback {
             self.simulation.step_many(&mut self.world, together);
             count -= u64::from(together);
         }
+    }
+
+    /// Whether the course is the scene's own, as the program runs it.
+    pub(crate) fn is_untouched(&self) -> bool {
+        !(self.interfered || self.settings_changed)
     }
 
     /// Of the state that steps have reached.

@@ -128,6 +128,7 @@ impl Tuning {
             scale_friction(playback, FACTORS[new.friction_factor]);
         }
         *self = new;
+        playback.settings_changed = true;
         playback.begin_books();
         Ok(())
     }

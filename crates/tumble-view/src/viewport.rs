@@ -67,6 +67,8 @@ pub(crate) struct Viewport {
     pub(crate) notice: Option<String>,
     pub(crate) times: FrameTimes,
     title: String,
+    /// The name of a built-in scene, or a file.
+    origin: String,
     /// What was in the frame at the start, and with the longest arrows.
     start: Frame,
     whole: Frame,
@@ -103,6 +105,7 @@ pub(crate) struct Canvas {
 
 impl Viewport {
     pub(crate) fn new(scene: Scene, options: &ViewOptions) -> Result<Self, Failure> {
+        let origin = scene.origin.clone();
         let title = scene.name.clone().unwrap_or_else(|| scene.origin.clone());
         let gravity = dvec3(scene.settings.gravity);
         let playback = Playback::of(scene)?;
@@ -130,6 +133,7 @@ impl Viewport {
             notice: None,
             times: FrameTimes::default(),
             title,
+            origin,
             center,
             center_now: center,
             anchor: center,
@@ -226,7 +230,7 @@ impl Viewport {
             shadows: self
                 .layers
                 .has(Layer::Shadows)
-                .then(|| ShadowFrame::new(self.sun, &view, self.shades(&view, &places))),
+                .then(|| ShadowFrame::new(self.sun, &view, self.shadow_casters(&view, &places))),
             background: canvas.background,
             bodies: &bodies,
             scenery: &scenery,
@@ -303,7 +307,8 @@ impl Viewport {
             return books;
         }
         let books = Books { totals: self.playback.totals(), hash: self.playback.hash() };
-        page::show(self.playback.simulation.steps(), books.hash);
+        let playback = &self.playback;
+        page::show(&self.origin, playback.simulation.steps(), books.hash, playback.is_untouched());
         self.books = Some((Instant::now(), books));
         books
     }

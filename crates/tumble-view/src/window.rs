@@ -73,7 +73,7 @@ pub(crate) async fn show(
         if let Some((steps, drawing)) = last.take() {
             viewport.times.push(Duration::try_from_secs_f64(frame).unwrap_or_default(), &steps, drawing);
         }
-        if is_key_pressed(KeyCode::Q) {
+        if is_key_pressed(KeyCode::Q) && !page::IS_THERE {
             return Ok(());
         }
         if let Some(other) = controls.other_scene(&mut gallery, &mut viewport) {
@@ -273,8 +273,9 @@ impl Controls {
         if is_mouse_button_down(MouseButton::Right) || is_mouse_button_down(MouseButton::Middle) {
             viewport.pan(by, size);
         }
-        // Some systems count notches, others points.
-        let notches = f64::from(mouse_wheel().1).clamp(-3.0, 3.0);
+        // Some systems count notches, others points, of which a browser has a hundred to a notch.
+        let unit = if page::IS_THERE { 0.01 } else { 1.0 };
+        let notches = (unit * f64::from(mouse_wheel().1)).clamp(-3.0, 3.0);
         if notches != 0.0 {
             viewport.zoom((-NOTCH * notches).exp(), size);
         }

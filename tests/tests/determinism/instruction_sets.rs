@@ -9,9 +9,8 @@ use tumble::simd_name;
 /// How many tests pin bits.
 const PINNED: u32 = 6;
 
-/// Those whose names begin with `the_bits_`, once for each instruction set, in a process of its own
-/// each, since a process chooses once. One of them is to print `ran on NAME`, by [`simd_name`]. On a
-/// machine without one of the sets the choice falls back to what it has.
+/// Runs those whose names begin with `the_bits_` in a process for each instruction set, since a
+/// process chooses once; one of them prints which. What a machine lacks, falls back to what it has.
 #[test]
 fn every_instruction_set_gives_the_same_bits() {
     for name in ["scalar", "baseline", "avx2", "avx512"] {

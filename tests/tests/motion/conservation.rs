@@ -193,7 +193,7 @@ fn a_body_flips_about_its_middle_axis() {
 /// functions.
 ///
 /// A straight line between two steps misses the time of a zero by less than `lambda^2 dt^3`, since
-/// the component has no curvature there. Rounding shifts it as `tests/convergence.rs` derives.
+/// the component has no curvature there. Rounding shifts it as `convergence.rs` derives.
 #[test]
 fn flips_come_when_the_exact_solution_says() {
     let dt: Real = 1.0 / 512.0;

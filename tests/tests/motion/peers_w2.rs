@@ -1,7 +1,7 @@
 //! Promise: of the engines that were measured on two free bodies over ten minutes, none keeps
 //! energy, angular momentum or attitude better than `MoserVeselov` does in the same precision, and
 //! none at all in double precision. The same holds of the count of flips, but for the handle in
-//! single precision, where rounding decides it (`tests/long_run.rs`).
+//! single precision, where rounding decides it (`long_run.rs`).
 //!
 //! Why: it is the claim of the README. It fails when the figures quoted there are no longer ours.
 //!

@@ -110,7 +110,10 @@ fn tensor(
     }
     given.map_err(|error| {
         let by = match error {
-            InertiaError::TriangleInequality { principal } => broken_by(principal),
+            InertiaError::TriangleInequality { principal } => {
+                let repairable = left_out.repairs == InertiaRepairs::Refused && nearest_moments(principal).is_some();
+                broken_by(principal) + if repairable { "; --repair takes the nearest possible" } else { "" }
+            }
             _ => String::new(),
         };
         inertia.problem("inertia", format_args!("{error}{by}"))
@@ -130,7 +133,7 @@ fn nearest_tensor(matrix: DMat3, moments: DVec3) -> Option<InertiaTensor> {
 fn broken_by(moments: DVec3) -> String {
     let share = (moments.z - moments.y - moments.x) / moments.z;
     let why = if share < ROUNDED { ", as rounding to three digits does: give more digits" } else { "" };
-    format!("; here by {share:.2e} of the largest{why}; --repair takes the nearest possible")
+    format!("; here by {share:.2e} of the largest{why}")
 }
 
 /// Into the axes of the link.

@@ -252,6 +252,9 @@ fn find(
             let name = rest.get(..*length).unwrap_or_default();
             Err(format!("two {list} are called {name:?}: give an index"))
         }
+        (None, _) if names.iter().any(|(_, name)| name == first) => {
+            Err(format!("{list}.{first} is no field; one of it follows after a dot"))
+        }
         (None, _) => Err(unknown(one, first, names.iter().map(|(_, name)| name))),
     }
 }
@@ -333,6 +336,16 @@ mod tests {
             Owner::Scene => path.set_in_scene(&mut model, 4321.0)?,
         }
         Ok(format!("{model:?}"))
+    }
+
+    #[test]
+    fn a_misspelt_name_is_answered_and_a_name_alone_is_no_field() {
+        let error = |path: &str| set(path).unwrap_err().to_string();
+        let misspelt = error("joints.twins.position");
+        assert!(misspelt.contains("no joint is called \"twins\": did you mean \"twin\"?"), "{misspelt}");
+        for path in ["bodies.a", "bodies.a[mass]"] {
+            assert!(error(path).contains("bodies.a is no field; one of it follows after a dot"), "{path}");
+        }
     }
 
     #[test]

@@ -8,7 +8,7 @@ use super::meshes::{Drawn, Meshes};
 use super::quad::blended;
 use super::{GpuError, Picture, shader};
 use crate::convert::single3;
-use crate::sunlight::{MAP, ShadowFrame};
+use crate::sunlight::{MAP_SIZE, ShadowFrame};
 
 const SHADER: [&str; 2] = [include_str!("../shaders/body.vert"), include_str!("../shaders/body.frag")];
 /// Tangent of the angle at which the radius of the sun is seen. It is larger than in the sky, so
@@ -21,7 +21,7 @@ const SLACK: f64 = 1.5e-3;
 #[repr(C)]
 struct Uniforms {
     projection: [f32; 16],
-    light: [f32; 16],
+    to_map: [f32; 16],
     sun: [f32; 3],
     across: [f32; 3],
     above: [f32; 3],
@@ -43,7 +43,7 @@ impl BodyPass {
     pub(super) fn new(context: &mut dyn RenderingBackend) -> Result<Self, GpuError> {
         let uniforms = [
             ("projection", UniformType::Mat4),
-            ("light", UniformType::Mat4),
+            ("to_map", UniformType::Mat4),
             ("sun", UniformType::Float3),
             ("across", UniformType::Float3),
             ("above", UniformType::Float3),
@@ -71,13 +71,13 @@ impl BodyPass {
         let frame = picture.shadows.unwrap_or_else(|| ShadowFrame::nowhere(picture.sun));
         let uniforms = Uniforms {
             projection: view.matrix.as_mat4().to_cols_array(),
-            light: frame.matrix.as_mat4().to_cols_array(),
+            to_map: frame.matrix.as_mat4().to_cols_array(),
             sun: single3(frame.sun.towards),
             across: single3(frame.sun.across),
             above: single3(frame.sun.above),
             sky: picture.up,
             towards: single3(view.towards),
-            texel: 1.0 / MAP as f32,
+            texel: 1.0 / MAP_SIZE as f32,
             steepness: (1.0 / frame.depth) as f32,
             softness: (SUN_RADIUS * frame.depth) as f32,
             slack: (SLACK * frame.unit) as f32,

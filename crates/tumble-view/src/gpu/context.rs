@@ -1,4 +1,4 @@
-//! The way to the graphics card: the only unsafe code of this crate but for what `page.rs` imports in a browser.
+//! The way to the graphics card. Unsafe code is here, and in `page.rs` for a browser.
 
 use macroquad::miniquad::RenderingBackend;
 use macroquad::window::get_internal_gl;

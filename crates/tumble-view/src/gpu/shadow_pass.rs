@@ -7,13 +7,13 @@ use macroquad::miniquad::{
 
 use super::meshes::{Drawn, Meshes};
 use super::{GpuError, shader};
-use crate::sunlight::{MAP, ShadowFrame};
+use crate::sunlight::{MAP_SIZE, ShadowFrame};
 
 const SHADER: [&str; 2] = [include_str!("../shaders/shadow.vert"), include_str!("../shaders/shadow.frag")];
 
 #[repr(C)]
 struct Uniforms {
-    light: [f32; 16],
+    to_map: [f32; 16],
 }
 
 /// The shadow map.
@@ -26,7 +26,7 @@ pub(super) struct ShadowPass {
 
 impl ShadowPass {
     pub(super) fn new(context: &mut dyn RenderingBackend) -> Result<Self, GpuError> {
-        let shader = shader(context, SHADER, &[], &[("light", UniformType::Mat4)])?;
+        let shader = shader(context, SHADER, &[], &[("to_map", UniformType::Mat4)])?;
         let (buffers, attributes) = Meshes::layout();
         let params = PipelineParams {
             depth_test: Comparison::LessOrEqual,
@@ -42,8 +42,8 @@ impl ShadowPass {
             let filter = FilterMode::Nearest;
             let params = TextureParams {
                 format,
-                width: MAP,
-                height: MAP,
+                width: MAP_SIZE,
+                height: MAP_SIZE,
                 min_filter: filter,
                 mag_filter: filter,
                 ..TextureParams::default()
@@ -56,7 +56,7 @@ impl ShadowPass {
     pub(super) fn draw(&self, context: &mut dyn RenderingBackend, frame: &ShadowFrame, meshes: &Meshes) {
         context.begin_pass(Some(self.pass), PassAction::Clear { color: None, depth: Some(1.0), stencil: None });
         context.apply_pipeline(&self.pipeline);
-        context.apply_uniforms(UniformsSource::table(&Uniforms { light: frame.matrix.as_mat4().to_cols_array() }));
+        context.apply_uniforms(UniformsSource::table(&Uniforms { to_map: frame.matrix.as_mat4().to_cols_array() }));
         meshes.draw(context, Drawn::CastingShadows, &[]);
         context.end_render_pass();
     }

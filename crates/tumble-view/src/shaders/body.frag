@@ -3,7 +3,7 @@ precision highp float;
 varying vec3 facing;
 varying vec4 color;
 varying vec3 position;
-uniform mat4 light;
+uniform mat4 to_map;
 uniform vec3 sun;
 uniform vec3 across;
 uniform vec3 above;
@@ -12,18 +12,18 @@ uniform vec3 towards;
 uniform highp sampler2D shadows;
 // Width of a texel of the shadow map.
 uniform float texel;
-// Change of depth in the map to a way on it, where the way climbs by as much as it is long.
+// Change of depth for each distance on the map where a surface has a slope of 45 degrees.
 uniform float steepness;
-// Radius of a half-shadow on the map to the difference in depth from what casts it.
+// Radius of a penumbra on the map to the difference in depth from what casts it.
 uniform float softness;
 // Depth in the map that two surfaces differ by at least if one shades the other.
 uniform float slack;
 
-// Half-shadows have radii between these, in texels.
+// Penumbras have radii between these, in texels.
 const float NARROWEST = 1.2;
 const float WIDEST = 24.0;
 
-// How far behind the map's surface a place is, beside the fragment in the plane of its surface.
+// How far behind the surface of the map a place beside the fragment is, in the plane of its surface.
 // Depths of the map are those of the middles of texels, in 16 bits; smooth normals are a little off.
 float behind(vec3 on_map, vec2 offset, vec2 slope) {
     vec2 there = (floor((on_map.xy + offset) / texel) + 0.5) * texel;
@@ -36,7 +36,7 @@ float behind(vec3 on_map, vec2 offset, vec2 slope) {
 // spiral of points (H. Vogel, 1979) that is turned from pixel to pixel.
 float sunlit(vec3 n) {
     // Place on the map and depth in it, from 0 to 1.
-    vec3 on_map = 0.5 + 0.5 * (light * vec4(position, 1.0)).xyz;
+    vec3 on_map = 0.5 + 0.5 * (to_map * vec4(position, 1.0)).xyz;
     vec2 from_middle = abs(2.0 * on_map.xy - 1.0);
     float edge = max(from_middle.x, from_middle.y);
     if (edge >= 1.0) {

@@ -11,7 +11,7 @@ use crate::viewport::{SEEN, Viewport};
 
 impl Viewport {
     /// The bodies that cast shadows, as the balls around them.
-    pub(super) fn shades<'a>(
+    pub(super) fn shadow_casters<'a>(
         &'a self,
         view: &'a View,
         places: &'a [Placed],
