@@ -73,7 +73,7 @@ fn solve(world: &mut World, order: &BodyOrder, settings: Settings, time: Real) {
 /// In double precision the solver's tolerance of 1e-13 in each of some hundred steps adds up to
 /// 1e-11. In single precision it is 1e-5, and the time is half a second. The T-handle magnifies
 /// errors most: an energy that is off by 1e-13 of itself moves the one flip in this time by
-/// `34e-13/((1 - m) lambda)`, as `tests/tests/motion/convergence.rs` derives, that is its attitude by 3e-7 rad;
+/// `34e-13/((1 - m) lambda)`, as `convergence.rs` derives, that is its attitude by 3e-7 rad;
 /// before the flip, at half a second, by what has grown from it as `e^(lambda t)`, a hundredfold.
 #[test]
 fn an_outside_solver_finds_the_exact_motion() {

@@ -253,7 +253,7 @@ fn find(
             Err(format!("two {list} are called {name:?}: give an index"))
         }
         (None, _) if names.iter().any(|(_, name)| name == first) => {
-            Err(format!("{list}.{first} is no field; one of it follows after a dot"))
+            Err("after the name of a body or joint follow a dot and a field".to_owned())
         }
         (None, _) => Err(unknown(one, first, names.iter().map(|(_, name)| name))),
     }
@@ -344,7 +344,8 @@ mod tests {
         let misspelt = error("joints.twins.position");
         assert!(misspelt.contains("no joint is called \"twins\": did you mean \"twin\"?"), "{misspelt}");
         for path in ["bodies.a", "bodies.a[mass]"] {
-            assert!(error(path).contains("bodies.a is no field; one of it follows after a dot"), "{path}");
+            let alone = error(path);
+            assert!(alone.contains("after the name of a body or joint follow a dot and a field"), "{alone}");
         }
     }
 
