@@ -6,6 +6,7 @@ mod free_body;
 pub mod meshes;
 pub mod references;
 mod simulation;
+mod snapshot_bytes;
 pub mod touching;
 
 pub use comparison::{
@@ -14,6 +15,7 @@ pub use comparison::{
 pub use draw::Draw;
 pub use free_body::{Elliptic, FreeBody, Sample, Translation};
 pub use simulation::{hash, run, simulation, weightless};
+pub use snapshot_bytes::forged;
 
 /// The snippets of the documents, run as doctests.
 #[cfg(doctest)]

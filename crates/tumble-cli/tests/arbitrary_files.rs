@@ -3,10 +3,8 @@
 //! The library's own tests try thousands of texts; these few go all the way through the program,
 //! where a stack overflow or an abort would show as a signal and a panic as exit code 101.
 
-use crate::support;
-
+use crate::support::{Place, stderr};
 use proptest::prelude::*;
-use support::{Place, stderr};
 
 proptest! {
     // Each case starts two processes.

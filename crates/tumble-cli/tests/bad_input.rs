@@ -3,9 +3,7 @@
 //! A user with a scene of a thousand bodies must be told which number is wrong. It would fail if a
 //! check were missing, came after the first step, or lost the place on its way to the message.
 
-use crate::support;
-
-use support::{Place, stderr};
+use crate::support::{Place, stderr};
 
 /// Runs the file with both outputs asked for, and checks the whole of the promise.
 fn refused(file: &str, contents: &[u8], wanted: &[&str]) {

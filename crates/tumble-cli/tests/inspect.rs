@@ -3,9 +3,8 @@
 //!
 //! It is the tool to find out why a scene is refused. It would fail if it stopped at the first bad
 //! body, or if a key of its JSON changed.
-use crate::support;
 
-use support::{Place, stderr};
+use crate::support::{Place, stderr};
 
 fn json(place: &Place, scene: &str, code: i32) -> serde_json::Value {
     let output = place.run(&["inspect", scene, "--json"]);

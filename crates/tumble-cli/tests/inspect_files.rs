@@ -2,9 +2,8 @@
 //!
 //! It is what one reaches for when a robot explodes or a part weighs nothing. It would fail if a
 //! bad link hid the others, if a mesh with a hole had a mass, or if a picture were not well-formed.
-use crate::support;
 
-use support::{Place, stderr};
+use crate::support::{Place, stderr};
 
 const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 

@@ -4,6 +4,7 @@
 //! A slip of a name costs a scene or somebody's table. It would fail if one output of one command
 //! forgot to look, if a report were half there after a full disk, or if what a killed run left
 //! stayed for ever.
+
 use crate::support;
 
 use std::process::Output;

@@ -3,10 +3,9 @@
 //!
 //! It would fail if a slip of the finger got no answer that helps, if a script could not read a
 //! run, or if a file or a pipe got the colours of a terminal.
-use crate::support;
 
+use crate::support::{Place, stderr, wait_for};
 use serde_json::Value;
-use support::{Place, stderr, wait_for};
 
 const TOP: &str = r#"{ "dt": 0.1, "steps": 3, "gravity": [0, 0, 0],
   // It turns too fast for its steps.

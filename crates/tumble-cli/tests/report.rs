@@ -3,13 +3,12 @@
 //! People open it, mail it and keep it. It would fail if it loaded anything, if a name in a scene
 //! file could run as a script, if a large run made it too large to open, or if it did not say what
 //! it leaves out.
-use crate::support;
 
 use std::collections::BTreeSet;
 
+use crate::support::Place;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
-use support::Place;
 use tumble::Pose;
 use tumble::math::{Quat, Real, Vec3};
 

@@ -2,6 +2,7 @@
 //!
 //! Scripts and notebooks read these files. It would fail if a key, a column or a rule for steps
 //! changed.
+
 use crate::support;
 
 use support::Place;

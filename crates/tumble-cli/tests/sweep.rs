@@ -5,6 +5,7 @@
 //! Why: a Monte-Carlo study is spread over machines and days. It would fail if a value depended on
 //! another world's, if rows were written as they finish, if a killed sweep restarted or went on in
 //! another sweep's file, or if all worlds were held in memory.
+
 use crate::support;
 
 use std::fs;

@@ -2,9 +2,8 @@
 //!
 //! It would fail if a largest value missed a step, if a world went on past its condition, if a list
 //! lost a value, or if fields of one draw had two.
-use crate::support;
 
-use support::Place;
+use crate::support::Place;
 
 /// A ball that is thrown up at 3 m/s from 1 m above the ground, on which it comes to rest.
 const BALL: &str = r#"{ "dt": 0.001, "steps": 3000, "bodies": [

@@ -4,9 +4,8 @@
 //!
 //! It would fail if a step was missed or came twice, if the series and the rows of a killed sweep
 //! were of different worlds, or if the file of something else was cut.
-use crate::support;
 
-use support::Place;
+use crate::support::Place;
 
 const SCENE: &str = r#"{ "dt": 0.01, "steps": 25, "bodies": [
     { "name": "a", "shape": { "cuboid": { "half_extents": [0.1, 0.2, 0.3] } }, "mass": 2, "angular_velocity": [1, 2, 3] },

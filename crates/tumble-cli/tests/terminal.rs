@@ -5,13 +5,12 @@
 //! if one string of one format reached standard output or error on a way of its own: every string,
 //! key and word of sample files is made hostile in turn, and each file is given to every command
 //! that takes it.
-use crate::support;
 
 use std::path::Path;
 use std::process::Output;
 
+use crate::support::Place;
 use serde_json::{Value, json};
-use support::Place;
 
 /// Writes the clipboard, colours, rings, turns letters round, forges lines; C1 and invisible
 /// letters too.

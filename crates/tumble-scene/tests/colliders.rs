@@ -3,6 +3,7 @@
 //! touch wherever the engine can make them, or are named.
 //!
 //! Why: a collider that is read and dropped lets bodies fall through a floor that everyone sees.
+
 use glam::DVec3;
 use hecs::World;
 use tumble::{BodyOrder, Collider, CombineRule, Pose, Simulation};

@@ -2,6 +2,7 @@
 //! stands, what is to fall falls, and nothing goes through the ground or a wall.
 //!
 //! Why: they are what people open first. Each test asserts what one would look for.
+
 use std::f64::consts::TAU;
 
 use glam::DVec3;

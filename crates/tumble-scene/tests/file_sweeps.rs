@@ -16,8 +16,7 @@ use tumble::{BodyId, BodyOrder, Collider, Joint, JointLoad, Pose, Trial, Velocit
 use tumble_import::InertiaRepairs;
 use tumble_scene::{RunLength, RunOverrides, Scene, SceneTemplate};
 
-use crate::precision;
-use precision::by_precision;
+use crate::precision::by_precision;
 
 fn template(text: &str, ending: &str) -> SceneTemplate {
     let directory = tempfile::tempdir().unwrap();

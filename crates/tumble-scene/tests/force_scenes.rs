@@ -5,6 +5,7 @@
 //!
 //! Why: they are what the documentation shows forces with. A force with a wrong sign, a potential
 //! that does not belong to it, or work that is booked twice, would show here and in no picture.
+
 use std::f64::consts::TAU;
 
 use glam::DVec3;
@@ -12,8 +13,7 @@ use hecs::World;
 use tumble::{BodyId, Ledger, LedgerEntry, Momentum, Pose, Simulation, Totals};
 use tumble_scene::Scene;
 
-use crate::precision;
-use precision::by_precision;
+use crate::precision::by_precision;
 
 struct Run {
     world: World,

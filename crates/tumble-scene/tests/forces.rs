@@ -3,6 +3,7 @@
 //!
 //! Why: a default that differs from what the documentation says, or a point that is taken from
 //! another origin, makes a simulation that is wrong and looks right.
+
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{

@@ -14,10 +14,8 @@ use tumble::math::Real;
 use tumble::{Axes, Drive, Drives, Gear, JointLoad, Simulation};
 use tumble_scene::{Audit, BodyNames, RunOverrides, Scene, SceneTemplate};
 
-use crate::axes;
-use crate::precision;
-use axes::AXES;
-use precision::by_precision;
+use crate::axes::AXES;
+use crate::precision::by_precision;
 
 /// Kinds of joints that can be geared, with the numbers of their axes; each joint has its kind's
 /// name.

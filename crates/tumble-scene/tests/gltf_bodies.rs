@@ -6,9 +6,7 @@
 //! say so and pass.
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 
-use crate::cases;
-
-use cases::{cases, expected};
+use crate::cases::{cases, expected};
 use glam::{DQuat, DVec3};
 use hecs::World;
 use serde_json::Value;

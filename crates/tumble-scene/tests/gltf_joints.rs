@@ -5,9 +5,7 @@
 //! Why: a sign or an axis taken for another makes a door that opens into the wall.
 #![cfg_attr(feature = "f64", allow(clippy::useless_conversion, reason = "Real is f64 in this build, f32 in the other"))]
 
-use crate::cases;
-
-use cases::cases;
+use crate::cases::cases;
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use proptest::prelude::*;

@@ -3,6 +3,7 @@
 //!
 //! Why: a row of heights for a column, a grid that is off by half a cell, or a bit for a number,
 //! and bodies float above the ground that is drawn, or fall through it.
+
 use glam::DVec3;
 use hecs::World;
 use tumble::{BodyOrder, Pose, Simulation};

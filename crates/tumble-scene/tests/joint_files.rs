@@ -3,14 +3,14 @@
 //!
 //! Why: a limit that is read as that of another axis, or a drive without its greatest force, would
 //! show only as a mechanism that moves wrongly. A field that does nothing is as bad as a wrong one.
+
 use hecs::World;
 use proptest::prelude::*;
 use tumble::math::Real;
 use tumble::{Axes, Breakable, Cone, Drive, Drives, Gain, Joint, JointFriction, Limit, Limits};
 use tumble_scene::{Audit, Scene};
 
-use crate::axes;
-use axes::AXES;
+use crate::axes::AXES;
 
 /// The kinds with the numbers of their free axes.
 const KINDS: [(&str, &[usize]); 8] = [

@@ -13,8 +13,7 @@ use tumble::math::{Real, Vec3};
 use tumble::{Axes, Drive, Drives, Joint, JointLoad, Simulation};
 use tumble_scene::Scene;
 
-use crate::precision;
-use precision::by_precision;
+use crate::precision::by_precision;
 
 /// How fast a joint is driven [rad/s].
 const SPEED: f64 = 3.0;

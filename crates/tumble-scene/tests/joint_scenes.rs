@@ -15,8 +15,7 @@ use hecs::{Entity, World};
 use tumble::{Axes, Drives, Gain, Joint, JointLoad, Ledger, Limits, Pose, Simulation, Velocity};
 use tumble_scene::Scene;
 
-use crate::precision;
-use precision::by_precision;
+use crate::precision::by_precision;
 
 struct Run {
     world: World,

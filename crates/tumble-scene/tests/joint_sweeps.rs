@@ -4,6 +4,7 @@
 //! Why: a sweep over a stiffness that changes another joint's, or none, would show as a result of
 //! the physics. It fails if a path leads to another number, if joints are made of other bodies than
 //! the scene's, or if a varied one loses what does not vary.
+
 use hecs::World;
 use proptest::prelude::*;
 use tumble::{Breakable, Drives, Joint, JointFriction, Limits};

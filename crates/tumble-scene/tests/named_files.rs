@@ -4,6 +4,7 @@
 //! A scene of somebody else is opened to be inspected. It would fail if it could read what lies
 //! elsewhere on the disk, if a file that is named a thousand times were read as often, or if one
 //! bad body hid the others or went missing without a word.
+
 use std::fs;
 use std::path::{Path, PathBuf};
 

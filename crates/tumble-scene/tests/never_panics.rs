@@ -2,6 +2,7 @@
 //!
 //! A reader that panics takes the program down without saying which file was at fault. It would
 //! fail by an index, an overflow or an `unwrap` on a path that no hand-written example takes.
+
 use proptest::prelude::*;
 use tumble_scene::{Audit, Scene, SceneError};
 

@@ -15,8 +15,7 @@ use tumble::math::Real;
 use tumble::{BodyOrder, Momentum, Pose, Rng, Simulation, Totals, Velocity};
 use tumble_scene::Scene;
 
-use crate::precision;
-use precision::SINGLE;
+use crate::precision::SINGLE;
 
 struct Run {
     world: World,

@@ -2,6 +2,7 @@
 //!
 //! Published speeds and hashes are worth nothing if the scene behind them changes. It would fail if
 //! the generator, the order of its draws or the arithmetic after it changed.
+
 use hecs::World;
 use tumble::{BodyId, BodyOrder, Momentum, Pose, state_hash};
 use tumble_import::FileError;

@@ -57,10 +57,7 @@ const BAD_USAGE: u8 = 2;
 
 fn main() -> ExitCode {
     std::panic::set_hook(Box::new(|panic| print(&format_args!("{panic}\n"))));
-    #[cfg(target_family = "wasm")]
-    let parsed = Options::try_parse_from(page::begin());
-    #[cfg(not(target_family = "wasm"))]
-    let parsed = Options::try_parse();
+    let parsed = if page::IS_THERE { Options::try_parse_from(page::COMMAND_LINE) } else { Options::try_parse() };
     let options = match parsed {
         Ok(options) => options,
         Err(error) if error.use_stderr() => {
@@ -81,10 +78,7 @@ fn main() -> ExitCode {
 
 /// Writes to standard error with what a terminal would obey escaped, but for ends of lines.
 fn print(text: &impl std::fmt::Display) {
-    let text = printable_lines(&text.to_string()).to_string();
-    #[cfg(target_family = "wasm")]
-    page::fail(&text);
-    drop(std::io::stderr().lock().write_all(text.as_bytes()));
+    drop(write!(std::io::stderr().lock(), "{}", printable_lines(&text.to_string())));
 }
 
 /// Writes a line to standard error; if even that is closed, the exit code has to do.

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use macroquad::miniquad::conf::{LinuxBackend, Platform, WebGLVersion};
 use macroquad::window::Conf;
+use tumble_import::printable;
 
 use crate::animation::write_gif;
 use crate::failure::Failure;
@@ -51,11 +52,8 @@ pub(crate) fn open(viewport: Viewport, task: Task<Output>, pace: f64, options: &
         macroquad::Window::from_config(conf, async move {
             is_open.store(true, Ordering::Relaxed);
             let result = perform(viewport, task, pace, options).await;
-            // A page has no one who waits for the end.
-            if let Err(failure) = &result
-                && page::IS_THERE
-            {
-                crate::say(failure);
+            if let Err(failure) = &result {
+                page::fail(&printable(&failure.to_string()).to_string());
             }
             *in_window.borrow_mut() = result;
         });

@@ -1,57 +1,73 @@
 //! The page around the window in a browser: which scene it asks for, and what it shows of it.
+//!
+//! Both send each other texts by the clipboard of the window library, which `web/page.js` keeps for
+//! that: to import a function of the page would be unsafe code.
 
-#[cfg(target_family = "wasm")]
-#[expect(unsafe_code, reason = "what a page has is imported, which the language calls unsafe")]
-mod imported {
-    // SAFETY: `web/page.js` defines them so, and reads no more than the bytes of a text.
-    unsafe extern "C" {
-        /// Tells the page the name of a built-in scene, as an address and a length in bytes, in the
-        /// order of names.
-        pub(super) safe fn tumble_add_scene(name: *const u8, bytes: usize);
-        /// The number of the scene that was chosen since the last call, from one in the order of
-        /// their names; zero if none was.
-        pub(super) safe fn tumble_take_choice() -> u32;
-        /// The number of the scene, the step, the halves of the state's hash, and whether nothing
-        /// has been done to the scene.
-        pub(super) safe fn tumble_show(scene: u32, step: f64, upper: u32, lower: u32, is_untouched: bool);
-        /// Shows a message, as an address and a length in bytes.
-        pub(super) safe fn tumble_fail(text: *const u8, bytes: usize);
-    }
-}
+use macroquad::miniquad::window::{clipboard_get, clipboard_set};
 
 /// Whether there is a page.
 pub(crate) const IS_THERE: bool = cfg!(target_family = "wasm");
+/// The command line that a page gives.
+pub(crate) const COMMAND_LINE: [&str; 4] =
+    ["tumble-view", "bowling", "--show", "springs,trails,grid,water,shadows,ledger"];
 
-/// Tells the page which scenes there are, and gives the command line that the window begins with.
-#[cfg(target_family = "wasm")]
-pub(crate) fn begin() -> [&'static str; 4] {
-    for name in tumble_scene::builtin_names() {
-        imported::tumble_add_scene(name.as_ptr(), name.len());
-    }
-    ["tumble-view", "bowling", "--show", "springs,trails,grid,water,shadows,ledger"]
+/// What has been heard from the page.
+#[derive(Debug, Default)]
+pub(crate) struct Page {
+    last: String,
 }
 
-/// The index of the built-in scene that the page asks for; without a page it asks for none.
-pub(crate) fn chosen_scene() -> Option<usize> {
-    #[cfg(target_family = "wasm")]
-    return (imported::tumble_take_choice() as usize).checked_sub(1);
-    #[cfg(not(target_family = "wasm"))]
-    None
+impl Page {
+    /// Tells the page which scenes there are, once there is a window.
+    pub(crate) fn begin() -> Self {
+        tell("scenes", &tumble_scene::builtin_names().collect::<Vec<_>>().join("\n"));
+        Self::default()
+    }
+
+    /// The index of the built-in scene that was chosen since the last call; without a page none is.
+    pub(crate) fn chosen_scene(&mut self) -> Option<usize> {
+        // Without a page it would be everybody's.
+        let said = if IS_THERE { clipboard_get() } else { None }.filter(|said| *said != self.last)?;
+        let chosen = chosen(&said);
+        self.last = said;
+        chosen
+    }
+}
+
+/// `scene INDEX COUNT`, where the count makes each choice another text.
+fn chosen(said: &str) -> Option<usize> {
+    said.strip_prefix("scene ")?.split(' ').next()?.parse().ok()
 }
 
 /// Lets the page show a step of a scene and the hash of the state after it.
 pub(crate) fn show(scene: &str, step: u64, hash: u64, is_untouched: bool) {
-    #[cfg(target_family = "wasm")]
-    {
-        let number = tumble_scene::builtin_names().position(|name| name == scene).map_or(0, |index| index + 1);
-        imported::tumble_show(number as u32, step as f64, (hash >> 32) as u32, hash as u32, is_untouched);
+    if IS_THERE {
+        let index = tumble_scene::builtin_names().position(|name| name == scene);
+        let index = index.map_or(-1, |index| index as i64);
+        tell("state", &format!("{index} {step} {hash:016x} {is_untouched}"));
     }
-    #[cfg(not(target_family = "wasm"))]
-    let _ = (scene, step, hash, is_untouched);
 }
 
-/// Lets the page show what went wrong, where there is no terminal for it.
-#[cfg(target_family = "wasm")]
+/// Lets the page show what went wrong in the window, for it has no terminal.
 pub(crate) fn fail(text: &str) {
-    imported::tumble_fail(text.as_ptr(), text.len());
+    tell("failure", text);
+}
+
+fn tell(what: &str, text: &str) {
+    if IS_THERE {
+        clipboard_set(&format!("{what}\n{text}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn choices_are_read_and_other_texts_are_not() {
+        assert_eq!(chosen("scene 12 3"), Some(12));
+        for other in ["", "scene", "scene ", "scene -1 3", "scene x 3", "a text that was pasted"] {
+            assert_eq!(chosen(other), None, "{other}");
+        }
+    }
 }

@@ -19,7 +19,7 @@ use crate::gpu::{Background, Gpu, Renderer};
 use crate::layers::{LAYERS, Layer};
 use crate::options::Options;
 use crate::overlay::Writer;
-use crate::page;
+use crate::page::{self, Page};
 use crate::readout;
 use crate::sliders::{Grip, Panel};
 use crate::tuning::Change;
@@ -64,7 +64,7 @@ pub(crate) async fn show(
     options: Options,
 ) -> Result<(), Failure> {
     let mut controls = Controls::new(options.paused, pace);
-    let mut gallery = Gallery::of(options);
+    let (mut gallery, mut page) = (Gallery::of(options), Page::begin());
     prepare(&mut viewport);
     let mut last: Option<(PhaseTimes, Duration)> = None;
     loop {
@@ -76,7 +76,7 @@ pub(crate) async fn show(
         if is_key_pressed(KeyCode::Q) && !page::IS_THERE {
             return Ok(());
         }
-        if let Some(other) = controls.other_scene(&mut gallery, &mut viewport) {
+        if let Some(other) = controls.other_scene((&mut gallery, &mut page), &mut viewport) {
             viewport = other;
             prepare(&mut viewport);
             renderer.replace_bodies(&mut gpu, &viewport.playback.bodies);
@@ -124,9 +124,9 @@ impl Controls {
 
     /// Another scene, where one was asked for or its file has changed. One that cannot be opened is
     /// reported, and the scene that is shown goes on.
-    fn other_scene(&mut self, gallery: &mut Gallery, viewport: &mut Viewport) -> Option<Viewport> {
+    fn other_scene(&mut self, (gallery, page): (&mut Gallery, &mut Page), viewport: &mut Viewport) -> Option<Viewport> {
         let turned = pressed([(KeyCode::PageUp, Change::Less), (KeyCode::PageDown, Change::More)]);
-        let opened = match (page::chosen_scene(), turned) {
+        let opened = match (page.chosen_scene(), turned) {
             (Some(builtin), _) => gallery.show(builtin),
             (None, Some(change)) => gallery.turn(change),
             (None, None) if gallery.has_changed(Instant::now()) => gallery.open().map(|(mut new, pace)| {

@@ -4,10 +4,37 @@
 const scenes = document.querySelector('#scenes');
 const about = document.querySelector('#about');
 const [step, hash, same] = ['#step', '#hash', '#same'].map(id => document.querySelector(id));
-// From one; zero is none.
-let chosen = 0;
+// How many scenes have been chosen, and whether the last is not shown yet.
+let choices = 0;
+let isChosen = false;
 
-const text = (at, length) => new TextDecoder().decode(new Uint8Array(wasm_memory.buffer, at, length));
+// What the window says, by its first line.
+const said = {
+  scenes(text) {
+    for (const name of text.split('\n')) scenes.add(new Option(name));
+  },
+  state(text) {
+    const [scene, steps, state, isUntouched] = text.split(' ');
+    if (isChosen && Number(scene) !== scenes.selectedIndex) return;
+    isChosen = false;
+    scenes.selectedIndex = Number(scene);
+    step.textContent = steps;
+    hash.textContent = state;
+    same.textContent = isUntouched === 'true'
+      ? `the same bits on your own machine: tumble run ${scenes.value} --steps ${steps}`
+      : 'changed by hand';
+  },
+  failure(text) {
+    about.textContent = text;
+  },
+};
+
+function say(text) {
+  const bytes = new TextEncoder().encode(text);
+  const at = wasm_exports.allocate_vec_u8(bytes.length);
+  new Uint8Array(wasm_memory.buffer, at, bytes.length).set(bytes);
+  wasm_exports.on_clipboard_paste(at, bytes.length);
+}
 
 function press(code) {
   for (const kind of ['keydown', 'keyup']) {
@@ -24,28 +51,19 @@ miniquad_add_plugin({
     const glTexImage2D = imports.env.glTexImage2D;
     imports.env.glTexImage2D = (target, level, internal, ...rest) =>
       glTexImage2D(target, level, internal === gl.DEPTH_COMPONENT ? gl.DEPTH_COMPONENT16 : internal, ...rest);
-    imports.env.tumble_add_scene = (at, length) => scenes.add(new Option(text(at, length)));
-    imports.env.tumble_take_choice = () => {
-      const scene = chosen;
-      chosen = 0;
-      return scene;
-    };
-    imports.env.tumble_show = (scene, steps, upper, lower, isUntouched) => {
-      if (chosen === 0) scenes.selectedIndex = scene - 1;
-      step.textContent = steps;
-      hash.textContent = [upper, lower].map(half => (half >>> 0).toString(16).padStart(8, '0')).join('');
-      same.textContent = isUntouched
-        ? `the same bits on your own machine: tumble run ${scenes.value} --steps ${steps}`
-        : 'changed by hand';
-    };
-    imports.env.tumble_fail = (at, length) => {
-      about.textContent = text(at, length);
+    // The clipboard of the window is the way of its texts to the page.
+    imports.env.sapp_set_clipboard = (at, length) => {
+      const text = UTF8ToString(at, length);
+      const end = text.indexOf('\n');
+      said[text.slice(0, end)](text.slice(end + 1));
     };
   },
 });
 
 scenes.addEventListener('change', () => {
-  chosen = scenes.selectedIndex + 1;
+  choices += 1;
+  isChosen = true;
+  say(`scene ${scenes.selectedIndex} ${choices}`);
 });
 for (const button of document.querySelectorAll('button[data-key]')) {
   button.addEventListener('click', () => press(button.dataset.key));

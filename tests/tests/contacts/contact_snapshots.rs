@@ -11,7 +11,7 @@ use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::prelude::*;
 use tumble::{Collider, Contact, ContactDefect, ContactEvent, Rollback, Snapshot, SnapshotError};
-use tumble_tests::{hash, run};
+use tumble_tests::{forged, hash, run};
 
 use crate::pile;
 use pile::{plain_scene, scene, settings, shuffled};
@@ -223,17 +223,6 @@ fn contacts_with_scenery_that_is_gone_are_dropped() {
     assert!(contacts > 60);
     assert!(simulation.contacts().all(|contact| contact.bodies.iter().all(|body| world.get::<&BodyId>(*body).is_ok())));
     run(&mut simulation, &mut world, 10);
-}
-
-/// The bytes with others in a place, and a checksum that fits.
-fn forged(bytes: &[u8], place: usize, other: &[u8]) -> Vec<u8> {
-    let mut bytes = bytes.to_vec();
-    bytes[place..place + other.len()].copy_from_slice(other);
-    let end = bytes.len() - 8;
-    let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
-    let sum = bytes[..end].iter().fold(0xcbf2_9ce4_8422_2325, step);
-    bytes[end..].copy_from_slice(&sum.to_le_bytes());
-    bytes
 }
 
 /// Two boxes beside each other on nameless ground: three bodies in contact, two contacts of four

@@ -6,6 +6,7 @@
 //! pairs, colours or impulses follow rows, entities, threads or the width of a tile, or if what is
 //! kept from step to step to find pairs faster decides which are found.
 
+use crate::changing_archetypes::run_changing_archetypes;
 use hecs::{Entity, World};
 use tumble::math::{PRECISION, Vec3};
 use tumble::prelude::*;
@@ -13,8 +14,7 @@ use tumble::{Batch, BodyOrder, Collider, ConstantWrench, Totals, Trial, simd_nam
 use tumble_benches::pool;
 use tumble_tests::{hash, run};
 
-use crate::pile;
-use pile::{plain_scene, scene, settings, shuffled};
+use crate::pile::{plain_scene, scene, settings, shuffled};
 
 /// Steps after which the pile has fallen and the paddle stirs it.
 const STEPS: u32 = 120;
@@ -121,21 +121,9 @@ fn the_order_of_spawning_does_not_matter() {
 /// lay.
 #[test]
 fn archetypes_do_not_matter() {
-    struct Blue;
-    struct Heavy;
     let mut world = plain_scene();
     let mut simulation = Simulation::new(settings()).unwrap();
-    let all: Vec<Entity> = world.query::<Entity>().iter().collect();
-    for step in 0..STEPS as usize {
-        for (i, &entity) in all.iter().enumerate() {
-            if (i * 7 + step) % 30 == 0 {
-                world.insert(entity, (Blue, Heavy)).unwrap();
-            } else if (i + step) % 20 == 0 {
-                let _ = world.remove_one::<Blue>(entity);
-            }
-        }
-        simulation.step(&mut world);
-    }
+    run_changing_archetypes(&mut simulation, &mut world, STEPS);
     assert_eq!(hash(&world), hash_after(plain_scene(), STEPS));
 }
 

@@ -8,6 +8,7 @@
 //! first is the classical way to lose determinism. It fails if a sum follows rows, entities or
 //! threads, or if the state that forces between bodies keep from step to step goes stale.
 
+use crate::changing_archetypes::run_changing_archetypes;
 use hecs::{Entity, World};
 use tumble::math::PRECISION;
 use tumble::{
@@ -17,8 +18,7 @@ use tumble::{
 use tumble_benches::pool;
 use tumble_tests::{hash, run};
 
-use crate::coupled;
-use coupled::{BODIES, Honey, Kinds, Tide, plain_scene, scene, shuffled, spawn, springs};
+use crate::coupled::{BODIES, Honey, Kinds, Tide, plain_scene, scene, shuffled, spawn, springs};
 
 fn settings(integrator: Integrator) -> Settings {
     Settings::default().with_dt(1.0 / 128.0).with_integrator(integrator).with_substeps(2)
@@ -82,21 +82,10 @@ fn the_order_of_spawning_does_not_matter() {
 /// lay.
 #[test]
 fn archetypes_do_not_matter() {
-    struct Blue;
     for integrator in Integrator::ALL {
         let mut world = plain_scene(Kinds::All);
         let mut simulation = simulation(integrator);
-        let all: Vec<Entity> = world.query::<Entity>().iter().collect();
-        for step in 0..40 {
-            for (i, &entity) in all.iter().enumerate() {
-                if (i * 7 + step) % 30 == 0 {
-                    world.insert_one(entity, Blue).unwrap();
-                } else if (i + step) % 20 == 0 {
-                    let _ = world.remove_one::<Blue>(entity);
-                }
-            }
-            simulation.step(&mut world);
-        }
+        run_changing_archetypes(&mut simulation, &mut world, 40);
         assert_eq!(hash(&world), hash_after(plain_scene(Kinds::All), integrator, 40), "{integrator}");
     }
 }

@@ -7,6 +7,7 @@
 //! of rows or entities would lose determinism. It fails if the matrix follows the order of
 //! spawning, if two mechanisms get into each other's way, or if a snapshot lacks the loads.
 
+use crate::changing_archetypes::run_changing_archetypes;
 use hecs::{Entity, World};
 use tumble::math::{PRECISION, Quat, Real, Vec3};
 use tumble::{
@@ -16,8 +17,7 @@ use tumble_benches::pool;
 use tumble_tests::touching::ground;
 use tumble_tests::{Draw, hash, run};
 
-use crate::mechanisms;
-use mechanisms::{Class, Options, add_options, mechanism, vector};
+use crate::mechanisms::{Class, Options, add_options, mechanism, vector};
 
 fn settings() -> Settings {
     Settings::default().with_dt(1.0 / 64.0).with_substeps(2).with_contact_substeps(8)
@@ -123,19 +123,8 @@ fn the_order_of_spawning_does_not_matter() {
 
 #[test]
 fn archetypes_do_not_matter() {
-    struct Blue;
     let (mut world, mut simulation) = (scene(None), simulation());
-    let all: Vec<Entity> = world.query::<Entity>().iter().collect();
-    for step in 0..60 {
-        for (i, &entity) in all.iter().enumerate() {
-            if (i * 7 + step) % 30 == 0 {
-                world.insert_one(entity, Blue).unwrap();
-            } else if (i + step) % 20 == 0 {
-                let _ = world.remove_one::<Blue>(entity);
-            }
-        }
-        simulation.step(&mut world);
-    }
+    run_changing_archetypes(&mut simulation, &mut world, 60);
     assert_eq!(hash(&world), hash_after(scene(None), 60));
 }
 

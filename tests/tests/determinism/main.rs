@@ -1,5 +1,6 @@
 //! Same bits: pinned, and compared over threads, instruction sets and orders.
 
+mod changing_archetypes;
 mod contact_determinism;
 #[path = "../shared/coupled/mod.rs"]
 mod coupled;

@@ -6,11 +6,9 @@
 //! forgets the wind or the throttle, takes moments about the wrong point, or acts at the wrong
 //! stage of a step. Springs are in `spring_to_point.rs` and `springs.rs`.
 
-use crate::one_body;
-
+use crate::one_body::{DT, MASS, MOMENTS, after, allowed, assert_near, body, state, world_of};
 use glam::{DQuat, DVec3};
 use hecs::DynamicBundle;
-use one_body::{DT, MASS, MOMENTS, after, allowed, assert_near, body, state, world_of};
 use tumble::Integrator::{self, MoserVeselov, RungeKutta4, SemiImplicitEuler};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::{

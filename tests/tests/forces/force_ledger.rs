@@ -16,8 +16,7 @@ use tumble::{
 };
 use tumble_tests::{DOUBLE, EPSILON, hash, run, simulation};
 
-use crate::coupled;
-use coupled::{Honey, Kinds, Tide, plain_scene};
+use crate::coupled::{Honey, Kinds, Tide, plain_scene};
 
 const DT: Real = 1.0 / 128.0;
 

@@ -5,10 +5,8 @@
 //! energy ends a game. It fails if the stiffness is not that of the step, if the damper acts at
 //! the wrong stage, or if the moment is about the wrong point.
 
-use crate::one_body;
-
+use crate::one_body::{DT, MASS, MOMENTS, after, allowed, assert_near, body, state, world_of};
 use glam::DVec3;
-use one_body::{DT, MASS, MOMENTS, after, allowed, assert_near, body, state, world_of};
 use tumble::Integrator::{self, MoserVeselov, RungeKutta4, SemiImplicitEuler};
 use tumble::SpringToPoint;
 use tumble::math::{Real, Vec3};

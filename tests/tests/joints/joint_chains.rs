@@ -6,11 +6,9 @@
 //! if a link turns faster under its load than a substep can follow, if inertia that is raised for
 //! that makes energy, or if the direct solution loses digits along the chain.
 
-use crate::jointed;
-
+use crate::jointed::*;
 use glam::DVec3;
 use hecs::Entity;
-use jointed::*;
 use tumble::{Damping, Joint, Pose};
 use tumble_tests::{by_precision, dvec3};
 

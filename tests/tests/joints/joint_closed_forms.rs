@@ -7,13 +7,11 @@
 //! if a row's axis is taken from the wrong body, an arm or a frame is forgotten, or
 //! positions and velocities are met at different times.
 
-use crate::jointed;
-
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use crate::jointed::*;
 use glam::{DQuat, DVec3};
 use hecs::Entity;
-use jointed::*;
 use tumble::math::Real;
 use tumble::{Joint, RigidBody, Shape, weld};
 use tumble_tests::references::real_quat;

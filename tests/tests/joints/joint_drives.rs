@@ -5,13 +5,11 @@
 //! Why: drives of other engines do not hold, or ring. It fails if a drive pulls with the wrong
 //! sign or for half the time, or where friction is taken for a damper.
 
-use crate::jointed;
-
 use std::f64::consts::{PI, TAU};
 
+use crate::jointed::*;
 use glam::DVec3;
 use hecs::Entity;
-use jointed::*;
 use tumble::math::Real;
 use tumble::{
     Axes, Breakable, Drive, Drives, Joint, JointEvent, JointFriction, Limit, Limits, RigidBody, Shape, Spring,

@@ -6,10 +6,8 @@
 //! Why: such states are rare in tests and common in games, and one number that is not finite takes
 //! a whole mechanism with it. It fails if a row acts by a value that it does not have.
 
-use crate::jointed;
-
+use crate::jointed::*;
 use glam::{DQuat, DVec3};
-use jointed::*;
 use tumble::math::Real;
 use tumble::{
     Axes, Cone, Drive, Drives, Gain, Gear, Joint, JointFriction, JointLoad, Limit, Limits, Momentum, RigidBody, Shape,

@@ -17,8 +17,7 @@ use tumble::{
 use tumble_benches::pool;
 use tumble_tests::{Draw, hash, run};
 
-use crate::mechanisms;
-use mechanisms::{Class, Options, add_options, mechanism};
+use crate::mechanisms::{Class, Options, add_options, mechanism};
 
 fn settings() -> Settings {
     Settings::default().with_dt(1.0 / 64.0).with_contact_substeps(4)

@@ -6,13 +6,11 @@
 //! Why: a gear acts on four bodies, some of which may be one. It fails if a factor has the wrong
 //! sign, if two ends on one body are counted once, or if an angle that passes half a turn jumps.
 
-use crate::jointed;
-
 use std::f64::consts::PI;
 
+use crate::jointed::*;
 use glam::DVec3;
 use hecs::Entity;
-use jointed::*;
 use tumble::math::{Real, Vec3};
 use tumble::{Axes, ConstantWrench, Drive, Drives, Gear, Joint, Limit, Limits, RigidBody, Shape};
 use tumble_tests::{Draw, by_precision};

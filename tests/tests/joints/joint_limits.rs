@@ -5,13 +5,11 @@
 //! Why: limits solved apart from joints sink or shake under load. It fails if a bound is taken with
 //! the wrong sign, on the wrong side, or is met a substep late.
 
-use crate::jointed;
-
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use crate::jointed::*;
 use glam::{DQuat, DVec3};
 use hecs::Entity;
-use jointed::*;
 use tumble::math::Real;
 use tumble::{Axes, Cone, Gain, Joint, Limit, Limits, RigidBody, Shape};
 use tumble_tests::{Draw, by_precision, dvec3};

@@ -6,12 +6,10 @@
 //! drags what it holds along with a support that turns, if a support that is carried round is taken
 //! at its place of another time, or if rounding or the coupling of two joints has a trend.
 
-use crate::jointed;
-
 use std::f64::consts::PI;
 
+use crate::jointed::*;
 use glam::{DQuat, DVec3};
-use jointed::*;
 use tumble::{Joint, RigidBody, Shape};
 use tumble_tests::references::real_quat;
 use tumble_tests::{DOUBLE, by_precision};

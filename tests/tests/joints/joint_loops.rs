@@ -8,13 +8,11 @@
 //! redundant rows push against each other, if what they push raises inertia, if the solution leaves
 //! the branch that the links move on, or if rounding of poses counts as joints that do not fit.
 
-use crate::jointed;
-
 use std::f64::consts::FRAC_PI_2;
 
+use crate::jointed::*;
 use glam::{DQuat, DVec3};
 use hecs::Entity;
-use jointed::*;
 use tumble::{Joint, Pose, RigidBody, Shape};
 use tumble_tests::references::real_quat;
 use tumble_tests::{DOUBLE, Draw, EPSILON, by_precision};

@@ -9,14 +9,10 @@
 //! that nearly depend on each other lock what is free, if what cannot be met becomes speed, or if
 //! substeps are halved for an error that no substep is short enough for.
 
-use crate::jointed;
-
-use crate::mechanisms;
-
+use crate::jointed::*;
+use crate::mechanisms::{Class, mechanism, scale};
 use glam::{DQuat, DVec3};
 use hecs::Entity;
-use jointed::*;
-use mechanisms::{Class, mechanism, scale};
 use tumble::math::Real;
 use tumble::{Cone, Gain, Joint, JointFriction, JointLoad, Limit, Limits, Mass, Momentum, RigidBody, Shape, Totals};
 use tumble_tests::references::real_quat;

@@ -15,10 +15,8 @@ use tumble::{
 };
 use tumble_tests::{Draw, by_precision};
 
-use crate::jointed;
-use crate::mechanisms;
-use jointed::{Rig, down, real};
-use mechanisms::{Class, mechanism, totals};
+use crate::jointed::{Rig, down, real};
+use crate::mechanisms::{Class, mechanism, totals};
 
 /// A joint of a kind at the origin, between the ground and a body that is moved and turned.
 fn displaced(joint: fn(Entity, Entity) -> Joint, translation: DVec3, turn: DQuat) -> (Rig, Entity) {

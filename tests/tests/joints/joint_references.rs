@@ -6,11 +6,9 @@
 //! of joints, and others have published how well they do. It fails if a row or a frame is wrong for
 //! one kind of joint, or where gyroscopic terms and the joint's impulses are split at wrong times.
 
-use crate::jointed;
-
+use crate::jointed::*;
 use glam::{DQuat, DVec3};
 use hecs::Entity;
-use jointed::*;
 use serde_json::Value;
 use tumble::{Axes, Drive, Drives, Joint, Limits, RigidBody};
 use tumble_tests::references::{Pinned, number, parse, quaternion, real_quat, vector};

@@ -6,11 +6,9 @@
 //! fails if the way back into a cone is not square to its bound, if half angles are taken about the
 //! wrong axes, or if a bound far up an arm carries what is not its own.
 
-use crate::jointed;
-
+use crate::jointed::*;
 use glam::{DQuat, DVec3};
 use hecs::Entity;
-use jointed::*;
 use tumble::math::Real;
 use tumble::{Axes, Cone, Damping, Gain, Joint, JointLoad, Limit, Limits, weld};
 use tumble_tests::references::real_quat;

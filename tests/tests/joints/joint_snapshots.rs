@@ -13,8 +13,7 @@ use tumble::{
 };
 use tumble_tests::{Draw, hash};
 
-use crate::mechanisms;
-use mechanisms::{Class, Options, add_options, mechanism};
+use crate::mechanisms::{Class, Options, add_options, mechanism};
 
 const STEPS: u64 = 80;
 

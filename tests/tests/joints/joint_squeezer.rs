@@ -7,10 +7,8 @@
 //! rad/s. It fails if redundant rows carry what does not belong to them, or if impulses of loops
 //! are split wrongly.
 
-use crate::jointed;
-
+use crate::jointed::*;
 use glam::{DQuat, DVec3};
-use jointed::*;
 use tumble::{ConstantWrench, Joint, Limit, Limits};
 use tumble_tests::references::real_quat;
 use tumble_tests::{DOUBLE, by_precision};

@@ -6,10 +6,8 @@
 //! gives it any energy. It fails if a substep is not halved, or if a half does not begin where the
 //! whole did.
 
-use crate::jointed;
-
+use crate::jointed::*;
 use glam::DVec3;
-use jointed::*;
 use tumble::{Joint, RigidBody, Shape};
 use tumble_tests::Draw;
 use tumble_tests::references::real_quat;

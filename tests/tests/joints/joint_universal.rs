@@ -6,13 +6,11 @@
 //! fails if either is taken from the wrong body, if both are swapped, if the second has the wrong
 //! sign in one of the three pairs, or where an angle passes a right angle.
 
-use crate::jointed;
-
 use std::f64::consts::PI;
 
+use crate::jointed::*;
 use glam::{DQuat, DVec3};
 use hecs::Entity;
-use jointed::*;
 use tumble::math::Real;
 use tumble::{Axes, Damping, Drive, Drives, Inertia, Joint, JointFriction, Limit, Limits, Momentum};
 use tumble_tests::references::real_quat;

@@ -7,11 +7,9 @@
 //! contacts. It fails if a pass gives again what the one before has given, or if a mechanism that
 //! is no more is solved on.
 
-use crate::jointed;
-
+use crate::jointed::*;
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
-use jointed::*;
 use tumble::math::Real;
 use tumble::{
     Axes, BodyOrder, Breakable, Collider, Drive, Drives, Joint, JointFriction, Momentum, Pose, RigidBody, Settings,

@@ -4,11 +4,9 @@
 //! equal, nearly equal and very different moments. Bodies of particles and shapes:
 //! `particles_and_shapes.rs`.
 
-use crate::strategies;
-
+use crate::strategies::{EPS, anything, length, rotation, vector};
 use glam::{DMat3, DQuat, DVec3};
 use proptest::prelude::*;
-use strategies::{EPS, anything, length, rotation, vector};
 use tumble_math::{
     Amount, InertiaError, InertiaTensor, MassProperties, PrincipalInertia, Shape, angular_acceleration,
     torque_for_angular_acceleration,

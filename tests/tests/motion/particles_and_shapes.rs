@@ -4,11 +4,9 @@
 //! Additivity, particles against integrals, shapes cut up and put together, thin walls, and errors
 //! that say which part is wrong.
 
-use crate::strategies;
-
+use crate::strategies::{EPS, anything, length, rotation, vector};
 use glam::{DMat3, DQuat, DVec3};
 use proptest::prelude::*;
-use strategies::{EPS, anything, length, rotation, vector};
 use tumble_math::{Amount, MassProperties, Part, Shape, moment_about_axis};
 use tumble_tests::largest;
 

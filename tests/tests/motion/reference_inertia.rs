@@ -5,10 +5,8 @@
 //! if a formula of a shape, the parallel-axis theorem, a frame or a sign is wrong, and prints the
 //! worst error of each file when asked with `--nocapture`.
 
-use crate::reference;
-
+use crate::reference::{Check, list, matrix};
 use glam::{DMat3, DQuat, DVec3};
-use reference::{Check, list, matrix};
 use serde_json::Value;
 use tumble_math::{Amount, InertiaError, InertiaTensor, MassProperties, Part, Shape, quat_from_matrix};
 use tumble_tests::largest;

@@ -5,11 +5,9 @@
 //! in `tests/data/meshes`. It fails if an integral, a sign or a frame is wrong, or if digits are
 //! lost far from the origin.
 
-use crate::reference;
-
+use crate::reference::{Check, list, matrix};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
-use reference::{Check, list, matrix};
 use serde_json::Value;
 use tumble_math::{
     Amount, MassProperties, MeshDefect, MeshError, Shape, SolidMesh, TriangleMesh, change_of_basis, convex_hull,

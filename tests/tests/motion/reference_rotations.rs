@@ -5,12 +5,10 @@
 //! glam's own conversions are compared where this project relies on them, so an update of glam that
 //! loses digits fails here. Worst errors are printed with `--nocapture`.
 
-use crate::reference;
-
 use std::f64::consts::{PI, TAU};
 
+use crate::reference::{Check, list, matrix};
 use glam::{DMat3, DMat4, DQuat, DVec4, EulerRot};
-use reference::{Check, list, matrix};
 use tumble_math::{
     angle_between, from_scaled_axis, left_multiplication_matrix, quat_from_matrix, right_multiplication_matrix,
     to_axis_angle, to_euler, to_scaled_axis,

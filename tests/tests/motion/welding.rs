@@ -5,12 +5,10 @@
 //! It fails if an arm, a frame or a spin is left out of the angular momentum, or if the composite
 //! is not that of the parts.
 
-use crate::reference;
-
+use crate::reference::{Check, list, matrix};
 use glam::{DMat3, DQuat, DVec3};
 use hecs::{Entity, World};
 use proptest::prelude::*;
-use reference::{Check, list, matrix};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::{
     BodyId, CenterOfMass, Damping, GravityScale, Momentum, Pose, RigidBody, Velocity, WeldError, Wrench, weld,

@@ -11,6 +11,7 @@ use proptest::prelude::{Just, ProptestConfig, any, prop, prop_oneof, proptest};
 use tumble::math::Real;
 use tumble::{BodyId, BodyOrder, Breakable, Joint, Settings, Simulation, Snapshot, SnapshotError, state_hash};
 use tumble_benches::{mixed_bodies, mixed_body};
+use tumble_tests::forged;
 
 /// Bytes of a number.
 const NUMBER: usize = size_of::<Real>();
@@ -30,18 +31,6 @@ fn three_bodies() -> (World, Vec<u8>) {
 
 fn error_of(bytes: &[u8]) -> SnapshotError {
     Snapshot::from_bytes(bytes).unwrap_err()
-}
-
-/// The bytes with others in a place, and a checksum that fits: 64-bit FNV-1a, written here once
-/// more.
-fn forged(bytes: &[u8], place: usize, other: &[u8]) -> Vec<u8> {
-    let mut bytes = bytes.to_vec();
-    bytes[place..place + other.len()].copy_from_slice(other);
-    let end = bytes.len() - 8;
-    let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3);
-    let sum = bytes[..end].iter().fold(0xcbf2_9ce4_8422_2325, step);
-    bytes[end..].copy_from_slice(&sum.to_le_bytes());
-    bytes
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The way to the graphics card. Unsafe code is here, and in `page.rs` for a browser.
+//! The way to the graphics card, and the only unsafe code of this crate.
 
 use macroquad::miniquad::RenderingBackend;
 use macroquad::window::get_internal_gl;

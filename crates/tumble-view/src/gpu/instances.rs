@@ -1,6 +1,8 @@
 //! A buffer on the graphics card for what is new in every picture.
 
-use macroquad::miniquad::{BufferId, BufferSource, BufferType, BufferUsage, RenderingBackend};
+use macroquad::miniquad::{
+    BufferId, BufferLayout, BufferSource, BufferType, BufferUsage, RenderingBackend, VertexStep,
+};
 
 /// A vertex buffer that grows.
 #[derive(Debug, Default)]
@@ -9,6 +11,11 @@ pub(super) struct Instances {
 }
 
 impl Instances {
+    /// The layout of a buffer of vertices and one of these.
+    pub(super) fn layout() -> [BufferLayout; 2] {
+        [BufferLayout::default(), BufferLayout { step_func: VertexStep::PerInstance, ..BufferLayout::default() }]
+    }
+
     /// The buffer with these instances at its beginning.
     pub(super) fn write<T>(&mut self, context: &mut dyn RenderingBackend, instances: &[T]) -> BufferId {
         let buffer = match self.buffer {

@@ -1,8 +1,8 @@
 //! The line pass: lines as viewer-facing strips, and marks that show through bodies when hidden.
 
 use macroquad::miniquad::{
-    Bindings, BufferId, BufferLayout, Comparison, Pipeline, PipelineParams, RenderingBackend, UniformType,
-    UniformsSource, VertexAttribute, VertexFormat, VertexStep,
+    Bindings, BufferId, Comparison, Pipeline, PipelineParams, RenderingBackend, UniformType, UniformsSource,
+    VertexAttribute, VertexFormat,
 };
 
 use super::instances::Instances;
@@ -58,8 +58,7 @@ impl LinePass {
             ("fade", UniformType::Float1),
         ];
         let shader = shader(context, SHADER, &[], &uniforms)?;
-        let buffers =
-            [BufferLayout::default(), BufferLayout { step_func: VertexStep::PerInstance, ..BufferLayout::default() }];
+        let buffers = Instances::layout();
         let attributes = [
             VertexAttribute::with_buffer("corner", VertexFormat::Float2, 0),
             VertexAttribute::with_buffer("start", VertexFormat::Float3, 1),

@@ -2,7 +2,7 @@
 
 use macroquad::miniquad::{
     Bindings, BufferId, BufferLayout, BufferSource, BufferType, BufferUsage, RenderingBackend, TextureId,
-    VertexAttribute, VertexFormat, VertexStep,
+    VertexAttribute, VertexFormat,
 };
 use tumble_import::Tessellation;
 use tumble_record::SurfaceSet;
@@ -36,8 +36,14 @@ struct Mesh {
     indices: BufferId,
     corners: i32,
     instances: Instances,
-    /// The bodies that were written last, and how many.
-    written: Option<(BufferId, i32)>,
+    /// The bodies of the picture, if there are any to be seen.
+    written: Option<Written>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Written {
+    bodies: BufferId,
+    count: i32,
     /// Infinite ground does not.
     casts_shadow: bool,
 }
@@ -60,7 +66,6 @@ impl Meshes {
 
     /// The buffers and attributes of a pipeline that draws them.
     pub(super) fn layout() -> ([BufferLayout; 2], [VertexAttribute; 6]) {
-        let per_instance = BufferLayout { step_func: VertexStep::PerInstance, ..BufferLayout::default() };
         let attributes = [
             VertexAttribute::with_buffer("corner", VertexFormat::Float3, 0),
             VertexAttribute::with_buffer("normal", VertexFormat::Float3, 0),
@@ -69,7 +74,7 @@ impl Meshes {
             VertexAttribute::with_buffer("size", VertexFormat::Float3, 1),
             VertexAttribute::with_buffer("paint", VertexFormat::Float4, 1),
         ];
-        ([BufferLayout::default(), per_instance], attributes)
+        (Instances::layout(), attributes)
     }
 
     /// Goes on with other surfaces, and gives up the memory of those before.
@@ -87,16 +92,18 @@ impl Meshes {
         for (mesh, instances) in self.0.iter_mut().zip(bodies) {
             let count = i32::try_from(instances.len()).unwrap_or(i32::MAX);
             let is_seen = count > 0 && mesh.corners > 0;
-            mesh.written = is_seen.then(|| (mesh.instances.write(context, instances), count));
-            mesh.casts_shadow = instances.first().is_some_and(|body| body.paint[3] >= 0.0);
+            let casts_shadow = instances.first().is_some_and(|body| body.paint[3] >= 0.0);
+            mesh.written =
+                is_seen.then(|| Written { bodies: mesh.instances.write(context, instances), count, casts_shadow });
         }
     }
 
     /// Draws the bodies with the pipeline that is applied, in a call for each surface.
     pub(super) fn draw(&self, context: &mut dyn RenderingBackend, drawn: Drawn, images: &[TextureId]) {
         // The last come first: ground, which fades into what is there already.
-        for mesh in self.0.iter().rev().filter(|mesh| drawn == Drawn::All || mesh.casts_shadow) {
-            let Some((bodies, count)) = mesh.written else { continue };
+        for mesh in self.0.iter().rev() {
+            let written = mesh.written.filter(|written| drawn == Drawn::All || written.casts_shadow);
+            let Some(Written { bodies, count, .. }) = written else { continue };
             context.apply_bindings(&Bindings {
                 vertex_buffers: vec![mesh.vertices, bodies],
                 index_buffer: mesh.indices,
@@ -123,7 +130,6 @@ impl Mesh {
             corners,
             instances: Instances::default(),
             written: None,
-            casts_shadow: false,
         }
     }
 }

@@ -9,7 +9,7 @@ use tumble::{
     Axes, BodyId, BodyOrder, Breakable, Cone, Drive, Drives, Gain, Joint, JointFriction, JointLoad, Limit, Limits,
     Momentum, Pose, RigidBody, Settings, Shape, Simulation, Totals,
 };
-use tumble_tests::{Draw, dvec3};
+use tumble_tests::{Draw, EPSILON, dvec3};
 
 /// What mechanisms are drawn from.
 #[derive(Clone, Copy)]
@@ -199,4 +199,22 @@ pub(crate) fn scale(world: &World) -> f64 {
         p * (1.0 + dvec3(pose.position).length()) + l
     };
     world.query::<(&Pose, &Momentum)>().iter().map(of_body).sum()
+}
+
+/// Takes a step, in which joints take out what they forbid, and 240 more, in which momenta stay to
+/// rounding. Returns the energy after the first and the most after any \[J\].
+pub(crate) fn fly_free(world: &mut World, simulation: &mut Simulation, size: f64, case: u64) -> [f64; 2] {
+    simulation.step(world);
+    let (before, scale) = (totals(world, simulation), scale(world));
+    let mut most = before.energy();
+    for _ in 0..240 {
+        simulation.step(world);
+        most = most.max(totals(world, simulation).energy());
+    }
+    let after = totals(world, simulation);
+    let turned = (after.angular_momentum - before.angular_momentum).length();
+    let moved = (after.linear_momentum - before.linear_momentum).length();
+    let rounding = 300.0 * EPSILON * scale * size.max(1.0);
+    assert!(moved <= rounding && turned <= rounding, "case {case}: {moved:e} {turned:e} {rounding:e}");
+    [before.energy(), most]
 }
