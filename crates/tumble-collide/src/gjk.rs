@@ -129,9 +129,8 @@ impl Simplex {
             }
         }
         *self = left;
-        if let [a, b, c, ..] = left.corners.map(|(reached, _)| reached.point)
-            && left.len == 3
-        {
+        if left.len == 3 {
+            let [a, b, c, _] = left.corners.map(|(reached, _)| reached.point);
             // The foot of the origin on the plane, which the weights give with fewer digits.
             let normal = (b - a).cross(c - a);
             sum = normal * (normal.dot(a) / normal.dot(normal));

@@ -14,7 +14,7 @@ const FORMAT: u32 = 1;
 
 /// Which arithmetic the build has: two builds of one version may differ in the bits of their
 /// results, and their rows are not to be mixed. Raised by one whenever a hash that
-/// `tests/tests/determinism/determinism.rs` pins changes.
+/// `tests/determinism/determinism.rs` pins changes.
 const ARITHMETIC: u32 = 1;
 
 /// What the rows of a sweep's file depend on, as its first line has it: two files with the same
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn another_arithmetic_has_another_revision() {
-        let determinism = include_str!("../../../../tests/tests/determinism/determinism.rs");
+        let determinism = include_str!("../../../../tests/determinism/determinism.rs");
         assert!(
             PINS.iter().all(|pin| determinism.contains(pin)),
             "the pinned hashes changed: raise ARITHMETIC and REVISION by one, and put the new hashes here"

@@ -61,8 +61,8 @@ fn height_field(heights: &Rows, spacing: &Tuple<f64, 2>) -> Result<Heights, Fiel
     let collider = Collider::height_field(flat, columns, spacing.0).map_err(|problem| match problem {
         ColliderError::HeightField(HeightFieldError::Height { index, value }) => {
             let (row, column) = (index / columns, index % columns);
-            let problem = format_args!("must be from -1e6 to 1e6 m, not {}", shortest(value));
-            error(&format!("heights[{row}][{column}]"), &problem)
+            let value = shortest(value);
+            error(&format!("heights[{row}][{column}]"), &format_args!("must be from -1e6 to 1e6 m, not {value}"))
         }
         ColliderError::HeightField(HeightFieldError::Rows { .. }) => {
             error("heights", &"must be at least two rows of at least two")

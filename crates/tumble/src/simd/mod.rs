@@ -19,11 +19,29 @@ use crate::math::Real;
 pub(crate) mod block_lanes;
 mod four;
 #[cfg(vector_code)]
+mod intrinsics;
+#[cfg(vector_code)]
 mod pair;
 mod record;
-mod rows;
 #[cfg(vector_code)]
+mod row_blocks;
+mod rows;
+#[cfg(test)]
+mod tests;
+
+#[cfg(all(vector_code, target_arch = "aarch64"))]
+mod aarch64;
+#[cfg(all(vector_code, target_arch = "wasm32"))]
+mod wasm32;
+#[cfg(all(vector_code, target_arch = "x86_64"))]
 mod x86_64;
+
+#[cfg(all(vector_code, target_arch = "aarch64"))]
+use aarch64 as target;
+#[cfg(all(vector_code, target_arch = "wasm32"))]
+use wasm32 as target;
+#[cfg(all(vector_code, target_arch = "x86_64"))]
+use x86_64 as target;
 
 pub(crate) use four::{Four, FourKernel, FourLane};
 use record::Eight;
@@ -124,26 +142,32 @@ enum Level {
     Scalar,
     #[cfg(vector_code)]
     Baseline,
-    #[cfg(vector_code)]
+    #[cfg(avx_code)]
     Avx2,
-    #[cfg(vector_code)]
+    #[cfg(avx_code)]
     Avx512,
 }
 
 impl Level {
-    #[cfg(vector_code)]
-    const ALL: [Self; 4] = [Self::Scalar, Self::Baseline, Self::Avx2, Self::Avx512];
-    #[cfg(not(vector_code))]
-    const ALL: [Self; 1] = [Self::Scalar];
+    /// From the narrowest to the widest.
+    const ALL: &[Self] = &[
+        Self::Scalar,
+        #[cfg(vector_code)]
+        Self::Baseline,
+        #[cfg(avx_code)]
+        Self::Avx2,
+        #[cfg(avx_code)]
+        Self::Avx512,
+    ];
 
     fn name(self) -> &'static str {
         match self {
             Self::Scalar => "scalar",
             #[cfg(vector_code)]
             Self::Baseline => "baseline",
-            #[cfg(vector_code)]
+            #[cfg(avx_code)]
             Self::Avx2 => "avx2",
-            #[cfg(vector_code)]
+            #[cfg(avx_code)]
             Self::Avx512 => "avx512",
         }
     }
@@ -153,9 +177,9 @@ impl Level {
             Self::Scalar => true,
             #[cfg(vector_code)]
             Self::Baseline => true,
-            #[cfg(vector_code)]
+            #[cfg(avx_code)]
             Self::Avx2 => std::arch::is_x86_feature_detected!("avx2"),
-            #[cfg(vector_code)]
+            #[cfg(avx_code)]
             Self::Avx512 => std::arch::is_x86_feature_detected!("avx512f"),
         }
     }
@@ -165,11 +189,11 @@ impl Level {
         match self {
             Self::Scalar => &[Real::WIDTH],
             #[cfg(vector_code)]
-            Self::Baseline => &x86_64::WIDTHS[2..],
-            #[cfg(vector_code)]
-            Self::Avx2 => &x86_64::WIDTHS[1..],
-            #[cfg(vector_code)]
-            Self::Avx512 => &x86_64::WIDTHS,
+            Self::Baseline => &target::BASELINE_WIDTHS,
+            #[cfg(avx_code)]
+            Self::Avx2 => &target::WIDTHS[1..],
+            #[cfg(avx_code)]
+            Self::Avx512 => &target::WIDTHS,
         }
     }
 
@@ -177,11 +201,49 @@ impl Level {
     fn chosen() -> Self {
         static CHOSEN: OnceLock<Level> = OnceLock::new();
         *CHOSEN.get_or_init(|| {
-            let available = || Self::ALL.into_iter().rev().filter(|level| level.is_available());
+            let available = || Self::ALL.iter().copied().rev().filter(|level| level.is_available());
             let wanted = env::var("TUMBLE_SIMD").unwrap_or_default();
             let asked_for = available().find(|level| level.name() == wanted);
             asked_for.or_else(|| available().next()).unwrap_or(Self::Scalar)
         })
+    }
+
+    #[inline]
+    fn run(self, kernel: &mut impl Kernel) {
+        match self {
+            Self::Scalar => one_by_one(kernel, 0),
+            #[cfg(vector_code)]
+            Self::Baseline => target::with_baseline(kernel),
+            #[cfg(avx_code)]
+            Self::Avx2 => target::with_avx2(kernel),
+            #[cfg(avx_code)]
+            Self::Avx512 => target::with_avx512(kernel),
+        }
+    }
+
+    #[inline]
+    fn run_in_blocks(self, kernel: &mut impl Kernel) {
+        match self {
+            Self::Scalar => one_by_one(kernel, 0),
+            #[cfg(vector_code)]
+            Self::Baseline => target::blocks_with_baseline(kernel),
+            #[cfg(avx_code)]
+            Self::Avx2 => target::blocks_with_avx2(kernel),
+            #[cfg(avx_code)]
+            Self::Avx512 => target::blocks_with_avx512(kernel),
+        }
+    }
+
+    /// AVX-512 has no other fours than AVX2.
+    #[inline]
+    fn run_fours(self, kernel: impl FourKernel) {
+        match self {
+            Self::Scalar => kernel.run::<four::PortableFour>(),
+            #[cfg(vector_code)]
+            Self::Baseline => target::fours_with_baseline(kernel),
+            #[cfg(avx_code)]
+            Self::Avx2 | Self::Avx512 => target::fours_with_avx2(kernel),
+        }
     }
 }
 
@@ -199,15 +261,7 @@ pub fn simd_name() -> &'static str {
 /// Runs a kernel with the widest tiles of this machine that fit, and narrower ones on what is left.
 #[inline]
 pub(crate) fn dispatch(kernel: &mut impl Kernel) {
-    match Level::chosen() {
-        Level::Scalar => one_by_one(kernel, 0),
-        #[cfg(vector_code)]
-        Level::Baseline => x86_64::with_sse2(kernel),
-        #[cfg(vector_code)]
-        Level::Avx2 => x86_64::with_avx2(kernel),
-        #[cfg(vector_code)]
-        Level::Avx512 => x86_64::with_avx512(kernel),
-    }
+    Level::chosen().run(kernel);
 }
 
 /// How many things a block has. A block is laid out for lanes, the same on every machine, and
@@ -215,32 +269,17 @@ pub(crate) fn dispatch(kernel: &mut impl Kernel) {
 pub(crate) const BLOCK: usize = 8;
 
 /// Runs a kernel of whole blocks with the widest tiles of this machine that are no wider than a
-/// block. Machines without AVX2, the last of which were made in 2013, go one by one: these kernels
-/// are large, and each instruction set more is half a minute of compiling.
+/// block.
 #[inline]
 pub(crate) fn dispatch_in_blocks(kernel: &mut impl Kernel) {
     debug_assert!(kernel.len().is_multiple_of(BLOCK));
-    match Level::chosen() {
-        Level::Scalar => one_by_one(kernel, 0),
-        #[cfg(vector_code)]
-        Level::Baseline => one_by_one(kernel, 0),
-        #[cfg(vector_code)]
-        Level::Avx2 => x86_64::blocks_with_avx2(kernel),
-        #[cfg(vector_code)]
-        Level::Avx512 => x86_64::blocks_with_avx512(kernel),
-    }
+    Level::chosen().run_in_blocks(kernel);
 }
 
-/// Runs a kernel of fours with the instruction set in force; AVX-512 has no other fours than AVX2.
+/// Runs a kernel of fours with the instruction set in force.
 #[inline]
 pub(crate) fn dispatch_fours(kernel: impl FourKernel) {
-    match Level::chosen() {
-        Level::Scalar => kernel.run::<four::PortableFour>(),
-        #[cfg(vector_code)]
-        Level::Baseline => kernel.run::<four::PortableFour>(),
-        #[cfg(vector_code)]
-        Level::Avx2 | Level::Avx512 => x86_64::fours_with_avx2(kernel),
-    }
+    Level::chosen().run_fours(kernel);
 }
 
 /// The width of the widest tile of this machine.

@@ -9,7 +9,7 @@ use super::{Record, Tile};
 /// Two tiles side by side: while an operation of one waits for its operands, the machine works on
 /// the other's.
 #[derive(Clone, Copy)]
-pub(super) struct Pair<T>(T, T);
+pub(super) struct Pair<T>(pub(super) T, pub(super) T);
 
 macro_rules! both {
     ($($Operator:ident: $method:ident),+) => {

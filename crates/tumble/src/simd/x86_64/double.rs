@@ -8,7 +8,8 @@ lane! {
     neg: |n| _mm_xor_pd(n, _mm_set1_pd(-0.0)),
     lt: |a, b| _mm_cmplt_pd(a, b),
     select: |mask, t, f| _mm_or_pd(_mm_and_pd(mask, t), _mm_andnot_pd(mask, f)),
-    bits: |m| _mm_movemask_pd(m),
+    any: |m| _mm_movemask_pd(m) != 0,
+    all: |m| _mm_movemask_pd(m) == 0b11,
     // Biased exponents are positive, so zeros extend them to 64 bits.
     exp2: |e| _mm_castsi128_pd(_mm_slli_epi64::<52>(_mm_unpacklo_epi32(
         _mm_add_epi32(_mm_cvttpd_epi32(e), _mm_set1_epi32(1023)),
@@ -20,7 +21,7 @@ tile! {
     Sse2, __m128d, 2, _mm_loadu_pd, _mm_storeu_pd,
     or: |x, y| _mm_or_pd(x, y),
     is_zero: |v| _mm_movemask_epi8(_mm_cmpeq_epi32(_mm_castpd_si128(v), _mm_setzero_si128())) == 0xffff,
-    rows: blocks,
+    rows: row_blocks,
 }
 
 pub(super) use super::Avx2Four as Avx2;
@@ -29,7 +30,7 @@ tile! {
     Avx2, __m256d, 4, _mm256_loadu_pd, _mm256_storeu_pd,
     or: |x, y| _mm256_or_pd(x, y),
     is_zero: |v| _mm256_testz_si256(_mm256_castpd_si256(v), _mm256_castpd_si256(v)) == 1,
-    rows: blocks,
+    rows: row_blocks,
 }
 
 lane! {
@@ -39,7 +40,8 @@ lane! {
     neg: |n| _mm512_castsi512_pd(_mm512_xor_si512(_mm512_castpd_si512(n), _mm512_set1_epi64(i64::MIN))),
     lt: |a, b| _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b),
     select: |mask, t, f| _mm512_mask_blend_pd(mask, f, t),
-    bits: |m| _mm512_mask2int(m.into()),
+    any: |m| _mm512_mask2int(m.into()) != 0,
+    all: |m| _mm512_mask2int(m.into()) == 0xff,
     exp2: |e| _mm512_castsi512_pd(_mm512_slli_epi64::<52>(_mm512_add_epi64(
         _mm512_cvtepi32_epi64(_mm512_cvttpd_epi32(e)),
         _mm512_set1_epi64(1023),

@@ -8,7 +8,8 @@ lane! {
     neg: |n| _mm_xor_ps(n, _mm_set1_ps(-0.0)),
     lt: |a, b| _mm_cmplt_ps(a, b),
     select: |mask, t, f| _mm_or_ps(_mm_and_ps(mask, t), _mm_andnot_ps(mask, f)),
-    bits: |m| _mm_movemask_ps(m),
+    any: |m| _mm_movemask_ps(m) != 0,
+    all: |m| _mm_movemask_ps(m) == 0b1111,
     exp2: |e| _mm_castsi128_ps(_mm_slli_epi32::<23>(_mm_add_epi32(_mm_cvttps_epi32(e), _mm_set1_epi32(127)))),
 }
 
@@ -16,7 +17,7 @@ tile! {
     Sse2, __m128, 4, _mm_loadu_ps, _mm_storeu_ps,
     or: |x, y| _mm_or_ps(x, y),
     is_zero: |v| _mm_movemask_epi8(_mm_cmpeq_epi32(_mm_castps_si128(v), _mm_setzero_si128())) == 0xffff,
-    rows: blocks,
+    rows: row_blocks,
 }
 
 lane! {
@@ -26,7 +27,8 @@ lane! {
     neg: |n| _mm256_xor_ps(n, _mm256_set1_ps(-0.0)),
     lt: |a, b| _mm256_cmp_ps::<_CMP_LT_OQ>(a, b),
     select: |mask, t, f| _mm256_blendv_ps(f, t, mask),
-    bits: |m| _mm256_movemask_ps(m),
+    any: |m| _mm256_movemask_ps(m) != 0,
+    all: |m| _mm256_movemask_ps(m) == 0xff,
     exp2: |e| _mm256_castsi256_ps(_mm256_slli_epi32::<23>(_mm256_add_epi32(
         _mm256_cvttps_epi32(e),
         _mm256_set1_epi32(127),
@@ -37,7 +39,7 @@ tile! {
     Avx2, __m256, 8, _mm256_loadu_ps, _mm256_storeu_ps,
     or: |x, y| _mm256_or_ps(x, y),
     is_zero: |v| _mm256_testz_si256(_mm256_castps_si256(v), _mm256_castps_si256(v)) == 1,
-    rows: blocks,
+    rows: row_blocks,
 }
 
 lane! {
@@ -47,7 +49,8 @@ lane! {
     neg: |n| _mm512_castsi512_ps(_mm512_xor_si512(_mm512_castps_si512(n), _mm512_set1_epi32(i32::MIN))),
     lt: |a, b| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b),
     select: |mask, t, f| _mm512_mask_blend_ps(mask, f, t),
-    bits: |m| _mm512_mask2int(m),
+    any: |m| _mm512_mask2int(m) != 0,
+    all: |m| _mm512_mask2int(m) == 0xffff,
     exp2: |e| _mm512_castsi512_ps(_mm512_slli_epi32::<23>(_mm512_add_epi32(
         _mm512_cvttps_epi32(e),
         _mm512_set1_epi32(127),

@@ -2,14 +2,15 @@
 
 mod changing_archetypes;
 mod contact_determinism;
-#[path = "../shared/coupled/mod.rs"]
+#[path = "../tests/shared/coupled/mod.rs"]
 mod coupled;
 mod coupled_determinism;
 mod determinism;
+mod file_determinism;
 mod helper_determinism;
 mod instruction_sets;
 mod joint_determinism;
-#[path = "../shared/mechanisms/mod.rs"]
+#[path = "../tests/shared/mechanisms/mod.rs"]
 mod mechanisms;
-#[path = "../shared/pile/mod.rs"]
+#[path = "../tests/shared/pile/mod.rs"]
 mod pile;

@@ -1,0 +1,327 @@
+//! Every instruction set that this machine has, beside one number at a time: all operations of lanes
+//! on all kinds of numbers, and rows of every length.
+
+use super::record::{numbers, set_numbers};
+use super::*;
+use crate::components::{Damping, Inertia, Pose, PrincipalAxes, Wind};
+use crate::math::{Quat, Vec3};
+
+/// Numbers of every kind: signed zeros, subnormal ones of both precisions, infinite ones, none.
+const KINDS: [f64; 17] = [
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    3.0,
+    0.1,
+    -2.5,
+    1e-40,
+    -1e-310,
+    1e30,
+    -1e30,
+    7e-20,
+    126.0,
+    f64::INFINITY,
+    f64::NEG_INFINITY,
+    f64::NAN,
+    0.75,
+];
+
+/// Each kind with each: whole tiles of every width, and one number left over.
+const BODIES: usize = 17 * 17;
+
+/// The `i`-th pair of kinds, and an exponent.
+fn operands<T: Lane>(i: usize) -> [T; 3] {
+    [T::splat(KINDS[i % 17]), T::splat(KINDS[i / 17 % 17]), T::splat((i % 254) as f64 - 126.0)]
+}
+
+const RESULTS: usize = 15;
+
+/// All that a lane can do.
+#[inline(always)]
+fn results<T: Lane>([a, b, exponent]: [T; 3]) -> [T; RESULTS] {
+    let (zero, one) = (T::splat(0.0), T::splat(1.0));
+    let (sine, cosine) = b.sin_cos();
+    let (never, always) = (one.lt(zero), zero.lt(one));
+    [
+        a + b,
+        a - b,
+        a * b,
+        a / b,
+        -a,
+        a.sqrt(),
+        a.abs(),
+        T::min(a, b),
+        T::max(a, b),
+        T::select(a.lt(b), T::splat(2.0), b),
+        exponent.exp2_of_integer(),
+        sine,
+        cosine,
+        if T::any(never) { one } else { zero },
+        if T::all(always) { one } else { zero },
+    ]
+}
+
+fn is_same(a: f64, b: f64) -> bool {
+    a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()
+}
+
+struct Operations {
+    operands: [Vec<Real>; 3],
+    results: [Vec<Real>; RESULTS],
+}
+
+impl Operations {
+    fn of(bodies: usize) -> Self {
+        let column = |k: usize| (0..bodies).map(|i| operands::<Real>(i)[k]).collect();
+        Self { operands: [column(0), column(1), column(2)], results: std::array::from_fn(|_| vec![7.0; bodies]) }
+    }
+
+    #[track_caller]
+    fn check(&self, level: Level) {
+        for i in 0..self.operands[0].len() {
+            let expected = results::<Real>(operands(i));
+            for (k, expected) in expected.into_iter().enumerate() {
+                let found = self.results[k][i];
+                let operands = operands::<Real>(i);
+                assert!(
+                    is_same(found.into(), expected.into()),
+                    "{level:?}, result {k} of {operands:?}: {found}, not {expected}"
+                );
+            }
+        }
+    }
+}
+
+impl Kernel for Operations {
+    fn len(&self) -> usize {
+        self.operands[0].len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let [[a], [b], [exponent]] = [0, 1, 2].map(|k: usize| T::load(&self.operands[k][i..]));
+        let results = results([a, b, exponent]);
+        let mut k = 0;
+        while k < RESULTS {
+            T::store([results[k]], &mut self.results[k][i..]);
+            k += 1;
+        }
+    }
+}
+
+fn available() -> impl Iterator<Item = Level> {
+    Level::ALL.iter().copied().filter(|level| level.is_available())
+}
+
+#[test]
+fn operations_are_those_of_one_number() {
+    for level in available() {
+        let mut all = Operations::of(BODIES);
+        level.run(&mut all);
+        all.check(level);
+        let mut blocks = Operations::of(BODIES / BLOCK * BLOCK);
+        level.run_in_blocks(&mut blocks);
+        blocks.check(level);
+    }
+}
+
+struct Fours<'a> {
+    results: &'a mut [[Four; RESULTS]],
+}
+
+impl FourKernel for Fours<'_> {
+    #[inline(always)]
+    fn run<T: FourLane>(self) {
+        for (i, found) in self.results.iter_mut().enumerate() {
+            let column = |k: usize| [0, 1, 2, 3].map(|lane| operands::<f64>(4 * i + lane)[k]);
+            let results = results([T::load(&column(0)), T::load(&column(1)), T::load(&column(2))]);
+            for (number, result) in found.iter_mut().zip(results) {
+                result.store(number);
+            }
+        }
+    }
+}
+
+#[test]
+fn fours_do_what_one_number_does() {
+    for level in available() {
+        let mut found = [[[7.0; 4]; RESULTS]; BODIES / 4];
+        level.run_fours(Fours { results: &mut found });
+        for (i, found) in found.iter().enumerate() {
+            for lane in 0..4 {
+                let operands = operands::<f64>(4 * i + lane);
+                for (k, expected) in results(operands).into_iter().enumerate() {
+                    assert!(is_same(found[k][lane], expected), "{level:?}, result {k} of {operands:?}");
+                }
+            }
+        }
+    }
+}
+
+/// Marks where a comparison holds for some lanes of a tile, and where for all.
+struct Masks {
+    numbers: Vec<Real>,
+    some: Vec<Real>,
+    every: Vec<Real>,
+    widths: Vec<usize>,
+}
+
+impl Kernel for Masks {
+    fn len(&self) -> usize {
+        self.numbers.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let [number] = T::load(&self.numbers[i..]);
+        let is_negative = number.lt(T::splat(0.0));
+        let mark = |holds: bool| T::splat(if holds { 1.0 } else { 0.0 });
+        T::store([mark(T::any(is_negative))], &mut self.some[i..]);
+        T::store([mark(T::all(is_negative))], &mut self.every[i..]);
+        self.widths.push(T::WIDTH);
+    }
+}
+
+#[test]
+fn one_lane_makes_some_and_unmakes_all() {
+    for (level, odd) in available().flat_map(|level| (0..67).map(move |odd| (level, odd))) {
+        for (usual, unusual) in [(1.0, -1.0), (-1.0, 1.0)] {
+            let mut masks =
+                Masks { numbers: vec![usual; 67], some: vec![7.0; 67], every: vec![7.0; 67], widths: Vec::new() };
+            masks.numbers[odd] = unusual;
+            level.run(&mut masks);
+            let mut begin = 0;
+            for width in &masks.widths {
+                let tile = begin..begin + width;
+                begin += width;
+                let negative = masks.numbers[tile.clone()].iter().filter(|number| **number < 0.0).count();
+                let expected = [negative > 0, negative == *width].map(|holds| if holds { 1.0 } else { 0.0 });
+                assert!(
+                    tile.clone().all(|i| [masks.some[i], masks.every[i]] == expected),
+                    "{level:?}, {tile:?}, {odd}"
+                );
+            }
+        }
+    }
+}
+
+struct Zeros {
+    columns: [Vec<Real>; 2],
+    are_zero: bool,
+}
+
+impl Kernel for Zeros {
+    fn len(&self) -> usize {
+        self.columns[0].len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let ([a], [b]) = (T::load(&self.columns[0][i..]), T::load(&self.columns[1][i..]));
+        self.are_zero &= T::are_zero([a, b]);
+    }
+}
+
+#[test]
+fn a_negative_zero_is_no_positive_zero() {
+    for level in available() {
+        let zeros = |change: Option<(usize, usize)>| {
+            let mut zeros = Zeros { columns: [vec![0.0; 67], vec![0.0; 67]], are_zero: true };
+            if let Some((column, i)) = change {
+                zeros.columns[column][i] = -0.0;
+            }
+            level.run(&mut zeros);
+            zeros.are_zero
+        };
+        assert!(zeros(None), "{level:?}");
+        for i in 0..67 {
+            assert!(!zeros(Some((0, i))) && !zeros(Some((1, i))), "{level:?}, {i}");
+        }
+    }
+}
+
+/// Turns the order of the first `N` numbers of each row round.
+struct Reversal<R, const N: usize> {
+    rows: Vec<R>,
+}
+
+impl<R: Record, const N: usize> Kernel for Reversal<R, N> {
+    fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let mut loaded = T::load::<R, N>(&self.rows[i..]);
+        loaded.reverse();
+        T::store(loaded, &mut self.rows[i..]);
+    }
+}
+
+/// Reverses `N` of a record's `ALL` numbers, with a number of bodies that leaves some over.
+#[track_caller]
+fn check_rows<R: Record, const N: usize, const ALL: usize>(empty: R) {
+    for level in available() {
+        let number = |row: usize, c: usize| (100 * row + c) as Real;
+        let mut rows = vec![empty; 67];
+        for (i, row) in rows.iter_mut().enumerate() {
+            set_numbers::<R, ALL>(row, std::array::from_fn(|c| number(i, c)));
+        }
+        let mut reversal = Reversal::<R, N> { rows };
+        level.run(&mut reversal);
+        for (i, row) in reversal.rows.iter().enumerate() {
+            let expected = std::array::from_fn(|c| number(i, if c < N { N - 1 - c } else { c }));
+            assert_eq!(numbers::<R, ALL>(row), expected, "{level:?}, row {i}");
+        }
+    }
+}
+
+#[test]
+fn rows_of_every_length_are_loaded_and_stored() {
+    check_rows::<Real, 1, 1>(0.0);
+    check_rows::<Damping, 2, 2>(Damping::default());
+    check_rows::<Wind, 3, 3>(Wind(Vec3::ZERO));
+    check_rows::<PrincipalAxes, 4, 4>(PrincipalAxes(Quat::IDENTITY));
+    check_rows::<Inertia, 6, 6>(Inertia::new([1.0; 3]).unwrap());
+    check_rows::<Pose, 7, 7>(Pose::default());
+    check_rows::<Pose, 3, 7>(Pose::default());
+    check_rows::<Eight, 8, 8>(Eight::ZERO);
+    check_rows::<Eight, 5, 8>(Eight::ZERO);
+}
+
+/// Copies rows from anywhere.
+struct Gathering {
+    from: Vec<Eight>,
+    to: Vec<Eight>,
+}
+
+/// The row that comes to row `i`.
+fn source(i: usize, rows: usize) -> usize {
+    (5 * i + 3) % rows
+}
+
+impl Kernel for Gathering {
+    fn len(&self) -> usize {
+        self.to.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let rows = std::array::from_fn(|lane| &self.from[source(i + lane, self.from.len())]);
+        let gathered: [T; 8] = T::gather(&rows);
+        T::store(gathered, &mut self.to[i..]);
+    }
+}
+
+#[test]
+fn rows_from_anywhere_are_gathered() {
+    for level in available() {
+        let from: Vec<Eight> = (0..16).map(|i| Eight(std::array::from_fn(|c| (100 * i + c) as Real))).collect();
+        let mut gathering = Gathering { from: from.clone(), to: vec![Eight::ZERO; 16] };
+        level.run_in_blocks(&mut gathering);
+        for (i, row) in gathering.to.iter().enumerate() {
+            assert_eq!(row.0, from[source(i, 16)].0, "{level:?}, row {i}");
+        }
+    }
+}
