@@ -1,5 +1,5 @@
-//! Every instruction set that this machine has, beside one number at a time: all operations of lanes
-//! on all kinds of numbers, and rows of every length.
+//! Every instruction set that this machine has, beside one number at a time: all operations of
+//! lanes on all kinds of numbers, and rows of every length.
 
 use super::record::{numbers, set_numbers};
 use super::*;
