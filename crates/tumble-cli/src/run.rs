@@ -89,7 +89,7 @@ pub(crate) fn run(options: &RunOptions, form: OutputForm) -> Result<(), Failure>
 pub(crate) fn check_simd() -> Result<(), Failure> {
     match std::env::var("TUMBLE_SIMD") {
         Ok(wanted) if wanted != simd_name() => Err(Failure::Input(format!(
-            "TUMBLE_SIMD={wanted} is not to be had, this machine would run {}; there are scalar, baseline, avx2 and avx512",
+            "TUMBLE_SIMD={wanted} is not to be had, this machine would run {}; there are scalar, baseline and, on x86-64, avx2 and avx512",
             simd_name()
         ))),
         _ => Ok(()),

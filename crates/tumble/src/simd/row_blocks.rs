@@ -1,4 +1,4 @@
-//! Transposes of narrow tiles: rows are read and written in blocks of four numbers.
+//! Transposes of tiles of up to 256 bits: rows are read and written in blocks of four numbers.
 //!
 //! A row of more than four numbers is two blocks that may overlap, so no number outside the row is
 //! touched.

@@ -27,8 +27,11 @@ const KINDS: [f64; 17] = [
     0.75,
 ];
 
-/// Each kind with each: whole tiles of every width, and one number left over.
+/// Each kind with each.
 const BODIES: usize = 17 * 17;
+
+/// What leaves a tile of every width over, in both precisions: 32 + 16 + 8 + 4 and single ones.
+const ROWS: usize = 63;
 
 /// The `i`-th pair of kinds, and an exponent.
 fn operands<T: Lane>(i: usize) -> [T; 3] {
@@ -100,7 +103,8 @@ impl Kernel for Operations {
 
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
-        let [[a], [b], [exponent]] = [0, 1, 2].map(|k: usize| T::load(&self.operands[k][i..]));
+        let ([a], [b]) = (T::load(&self.operands[0][i..]), T::load(&self.operands[1][i..]));
+        let [exponent] = T::load(&self.operands[2][i..]);
         let results = results([a, b, exponent]);
         let mut k = 0;
         while k < RESULTS {
@@ -176,21 +180,23 @@ impl Kernel for Masks {
     fn tile<T: Tile>(&mut self, i: usize) {
         let [number] = T::load(&self.numbers[i..]);
         let is_negative = number.lt(T::splat(0.0));
-        let mark = |holds: bool| T::splat(if holds { 1.0 } else { 0.0 });
-        T::store([mark(T::any(is_negative))], &mut self.some[i..]);
-        T::store([mark(T::all(is_negative))], &mut self.every[i..]);
+        T::store([T::splat(f64::from(T::any(is_negative)))], &mut self.some[i..]);
+        T::store([T::splat(f64::from(T::all(is_negative)))], &mut self.every[i..]);
         self.widths.push(T::WIDTH);
     }
 }
 
 #[test]
 fn one_lane_makes_some_and_unmakes_all() {
-    for (level, odd) in available().flat_map(|level| (0..67).map(move |odd| (level, odd))) {
+    for (level, odd) in available().flat_map(|level| (0..ROWS).map(move |odd| (level, odd))) {
         for (usual, unusual) in [(1.0, -1.0), (-1.0, 1.0)] {
             let mut masks =
-                Masks { numbers: vec![usual; 67], some: vec![7.0; 67], every: vec![7.0; 67], widths: Vec::new() };
+                Masks { numbers: vec![usual; ROWS], some: vec![7.0; ROWS], every: vec![7.0; ROWS], widths: Vec::new() };
             masks.numbers[odd] = unusual;
             level.run(&mut masks);
+            assert!(masks.widths.is_sorted_by(|a, b| a >= b), "{level:?}: {:?}", masks.widths);
+            assert_eq!(masks.widths.iter().sum::<usize>(), ROWS, "{level:?}");
+            assert!(level.widths().iter().all(|width| masks.widths.contains(width)), "{level:?}: {:?}", masks.widths);
             let mut begin = 0;
             for width in &masks.widths {
                 let tile = begin..begin + width;
@@ -224,19 +230,20 @@ impl Kernel for Zeros {
 }
 
 #[test]
-fn a_negative_zero_is_no_positive_zero() {
+fn nothing_but_positive_zeros_is_zero() {
     for level in available() {
-        let zeros = |change: Option<(usize, usize)>| {
-            let mut zeros = Zeros { columns: [vec![0.0; 67], vec![0.0; 67]], are_zero: true };
-            if let Some((column, i)) = change {
-                zeros.columns[column][i] = -0.0;
+        let zeros = |change: Option<(usize, usize, Real)>| {
+            let mut zeros = Zeros { columns: [vec![0.0; ROWS], vec![0.0; ROWS]], are_zero: true };
+            if let Some((column, i, number)) = change {
+                zeros.columns[column][i] = number;
             }
             level.run(&mut zeros);
             zeros.are_zero
         };
         assert!(zeros(None), "{level:?}");
-        for i in 0..67 {
-            assert!(!zeros(Some((0, i))) && !zeros(Some((1, i))), "{level:?}, {i}");
+        // Numbers with the sign alone, the lowest bit alone, and neither.
+        for (i, number) in (0..ROWS).flat_map(|i| [-0.0, Real::from_bits(1), 1.0].map(|number| (i, number))) {
+            assert!(!zeros(Some((0, i, number))) && !zeros(Some((1, i, number))), "{level:?}, {number}, {i}");
         }
     }
 }
@@ -264,7 +271,7 @@ impl<R: Record, const N: usize> Kernel for Reversal<R, N> {
 fn check_rows<R: Record, const N: usize, const ALL: usize>(empty: R) {
     for level in available() {
         let number = |row: usize, c: usize| (100 * row + c) as Real;
-        let mut rows = vec![empty; 67];
+        let mut rows = vec![empty; ROWS];
         for (i, row) in rows.iter_mut().enumerate() {
             set_numbers::<R, ALL>(row, std::array::from_fn(|c| number(i, c)));
         }

@@ -78,8 +78,8 @@ fn sse2_from(kernel: &mut impl Kernel, first: usize) {
     one_by_one(kernel, left);
 }
 
-/// Runs a kernel of whole blocks one by one: the last machines without AVX2 were made in 2013, these
-/// kernels are large, and each instruction set more is half a minute of compiling.
+/// Runs a kernel of whole blocks one by one: few machines are without AVX2, and each instruction
+/// set more is half a minute of compiling.
 pub(super) fn blocks_with_baseline(kernel: &mut impl Kernel) {
     one_by_one(kernel, 0);
 }
