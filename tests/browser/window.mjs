@@ -110,7 +110,7 @@ const before = await read();
 check('an untouched scene names its command', (await same()).endsWith(`tumble run bowling --steps ${before.step}`));
 check('and has its bits', before.hash === hashOf('bowling', before.step));
 await button('KeyO');
-await page.waitForTimeout(500);
+await page.waitForFunction(() => document.querySelector('#same').textContent === 'changed by hand', null, { timeout: 20_000 }).catch(() => {});
 check('a ball that is shot changes it', (await same()) === 'changed by hand' && (await read()).hash !== before.hash);
 await button('KeyR');
 await until(({ step }) => step === 0, 5000);
