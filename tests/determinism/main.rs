@@ -1,4 +1,10 @@
 //! Same bits: pinned, and compared over threads, instruction sets and orders.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking, in its helper functions too")]
+#![allow(
+    clippy::unnecessary_cast,
+    clippy::useless_conversion,
+    reason = "Real is f32 in one build and f64 in the other"
+)]
 
 mod changing_archetypes;
 mod contact_determinism;

@@ -1,7 +1,7 @@
 //! The page around the window in a browser: which scene it asks for, and what it shows of it.
 //!
 //! Both send each other texts by the clipboard of the window library, which `web/page.js` keeps for
-//! that: to import a function of the page would be unsafe code.
+//! that, in the place of functions that are imported from the page.
 
 use macroquad::miniquad::window::{clipboard_get, clipboard_set};
 

@@ -9,22 +9,18 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use tumble_math::lane::Lane;
 
-use super::four::{Four, FourKernel, FourLane};
+use super::four::FourKernel;
 use super::intrinsics::{lane, tile};
 use super::pair::Pair;
 use super::record::{numbers, set_numbers};
-use super::row_blocks::Block;
-#[cfg(not(feature = "f64"))]
-use super::row_blocks::blocks_of_fours;
-#[cfg(feature = "f64")]
-use super::row_blocks::blocks_of_twos;
+use super::row_blocks::{Block, blocks};
 use super::{BLOCK, Eight, Kernel, Record, Tile, one_by_one, row_blocks, tiles};
 use crate::math::Real;
 
 #[cfg(feature = "f64")]
-use self::NeonDouble as Neon;
+use self::Double as Neon;
 #[cfg(not(feature = "f64"))]
-use self::NeonSingle as Neon;
+use self::Single as Neon;
 
 /// Widths of all tiles that are not pairs.
 pub(super) const BASELINE_WIDTHS: [usize; 2] = [Neon::WIDTH, Real::WIDTH];
@@ -43,12 +39,12 @@ pub(super) fn blocks_with_baseline(kernel: &mut impl Kernel) {
 
 /// Runs a kernel of fours on two vectors.
 pub(super) fn fours_with_baseline(kernel: impl FourKernel) {
-    kernel.run::<Pair<NeonDouble>>();
+    kernel.run::<Pair<Double>>();
 }
 
 lane! {
-    NeonDouble, f64, float64x2_t, uint64x2_t, 2,
-    vdupq_n_f64, vld1q_f64, vst1q_f64, vaddq_f64, vsubq_f64, vmulq_f64, vdivq_f64, vsqrtq_f64, min_f64, max_f64,
+    Double, f64, float64x2_t, uint64x2_t, 2,
+    vdupq_n_f64, vld1q_f64, vst1q_f64, vaddq_f64, vsubq_f64, vmulq_f64, vdivq_f64, vsqrtq_f64;
     neg: |n| vnegq_f64(n),
     lt: |a, b| vcltq_f64(a, b),
     select: |mask, t, f| vbslq_f64(mask, t, f),
@@ -57,47 +53,21 @@ lane! {
     exp2: |e| vreinterpretq_f64_s64(vshlq_n_s64::<52>(vaddq_s64(vcvtq_s64_f64(e), vdupq_n_s64(1023)))),
 }
 
-impl FourLane for Pair<NeonDouble> {
-    #[inline(always)]
-    fn load(&[a, b, c, d]: &Four) -> Self {
-        Self(NeonDouble::from_array(&[a, b]), NeonDouble::from_array(&[c, d]))
-    }
-
-    #[inline(always)]
-    fn store(self, numbers: &mut Four) {
-        let ([a, b], [c, d]) = (self.0.to_array(), self.1.to_array());
-        *numbers = [a, b, c, d];
-    }
-}
-
-/// The first where it is less, else the second; the instruction `fmin` knows NaN and signs of zero.
-#[inline(always)]
-unsafe fn min_f64(a: float64x2_t, b: float64x2_t) -> float64x2_t {
-    // SAFETY: see the module.
-    unsafe { vbslq_f64(vcltq_f64(a, b), a, b) }
-}
-
-#[inline(always)]
-unsafe fn max_f64(a: float64x2_t, b: float64x2_t) -> float64x2_t {
-    // SAFETY: see the module.
-    unsafe { vbslq_f64(vcltq_f64(b, a), a, b) }
-}
-
 #[cfg(feature = "f64")]
 tile! {
-    NeonDouble, float64x2_t, 2, vld1q_f64, vst1q_f64,
+    Double, float64x2_t, 2, vld1q_f64, vst1q_f64,
     or: |x, y| vreinterpretq_f64_u64(vorrq_u64(vreinterpretq_u64_f64(x), vreinterpretq_u64_f64(y))),
     is_zero: |v| vmaxvq_u32(vreinterpretq_u32_f64(v)) == 0,
     rows: row_blocks,
 }
 
 #[cfg(feature = "f64")]
-blocks_of_twos!(float64x2_t, vld1q_f64, vst1q_f64, vzip1q_f64, vzip2q_f64);
+blocks!(float64x2_t, vld1q_f64, vst1q_f64, vzip1q_f64, vzip2q_f64);
 
 #[cfg(not(feature = "f64"))]
 lane! {
-    NeonSingle, f32, float32x4_t, uint32x4_t, 4,
-    vdupq_n_f32, vld1q_f32, vst1q_f32, vaddq_f32, vsubq_f32, vmulq_f32, vdivq_f32, vsqrtq_f32, min_f32, max_f32,
+    Single, f32, float32x4_t, uint32x4_t, 4,
+    vdupq_n_f32, vld1q_f32, vst1q_f32, vaddq_f32, vsubq_f32, vmulq_f32, vdivq_f32, vsqrtq_f32;
     neg: |n| vnegq_f32(n),
     lt: |a, b| vcltq_f32(a, b),
     select: |mask, t, f| vbslq_f32(mask, t, f),
@@ -106,42 +76,13 @@ lane! {
     exp2: |e| vreinterpretq_f32_s32(vshlq_n_s32::<23>(vaddq_s32(vcvtq_s32_f32(e), vdupq_n_s32(127)))),
 }
 
-/// As [`min_f64`].
-#[cfg(not(feature = "f64"))]
-#[inline(always)]
-unsafe fn min_f32(a: float32x4_t, b: float32x4_t) -> float32x4_t {
-    // SAFETY: see the module.
-    unsafe { vbslq_f32(vcltq_f32(a, b), a, b) }
-}
-
-#[cfg(not(feature = "f64"))]
-#[inline(always)]
-unsafe fn max_f32(a: float32x4_t, b: float32x4_t) -> float32x4_t {
-    // SAFETY: see the module.
-    unsafe { vbslq_f32(vcltq_f32(b, a), a, b) }
-}
-
 #[cfg(not(feature = "f64"))]
 tile! {
-    NeonSingle, float32x4_t, 4, vld1q_f32, vst1q_f32,
+    Single, float32x4_t, 4, vld1q_f32, vst1q_f32,
     or: |x, y| vreinterpretq_f32_u32(vorrq_u32(vreinterpretq_u32_f32(x), vreinterpretq_u32_f32(y))),
     is_zero: |v| vmaxvq_u32(vreinterpretq_u32_f32(v)) == 0,
     rows: row_blocks,
 }
 
 #[cfg(not(feature = "f64"))]
-blocks_of_fours!(float32x4_t, vld1q_f32, vst1q_f32, vzip1q_f32, vzip2q_f32, low_halves, high_halves);
-
-#[cfg(not(feature = "f64"))]
-#[inline(always)]
-unsafe fn low_halves(a: float32x4_t, b: float32x4_t) -> float32x4_t {
-    // SAFETY: see the module.
-    unsafe { vreinterpretq_f32_f64(vzip1q_f64(vreinterpretq_f64_f32(a), vreinterpretq_f64_f32(b))) }
-}
-
-#[cfg(not(feature = "f64"))]
-#[inline(always)]
-unsafe fn high_halves(a: float32x4_t, b: float32x4_t) -> float32x4_t {
-    // SAFETY: see the module.
-    unsafe { vreinterpretq_f32_f64(vzip2q_f64(vreinterpretq_f64_f32(a), vreinterpretq_f64_f32(b))) }
-}
+blocks!(float32x4_t, vld1q_f32, vst1q_f32, vzip1q_f32, vzip2q_f32);

@@ -7,7 +7,7 @@
 macro_rules! lane {
     (
         $Tile:ident, $Number:ty, $Vector:ident, $Mask:ident, $width:literal,
-        $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident, $min:ident, $max:ident,
+        $set1:ident, $load:ident, $store:ident, $add:ident, $sub:ident, $mul:ident, $div:ident, $sqrt:ident $(, $min:ident, $max:ident)?;
         neg: |$n:ident| $neg:expr,
         lt: |$a:ident, $b:ident| $lt:expr,
         select: |$mask:ident, $if_true:ident, $if_false:ident| $select:expr,
@@ -16,22 +16,22 @@ macro_rules! lane {
         exp2: |$e:ident| $exp2:expr,
     ) => {
         #[derive(Clone, Copy)]
-        pub(super) struct $Tile($Vector);
+        pub(in crate::simd) struct $Tile($Vector);
 
         impl $Tile {
             #[inline(always)]
-            fn from_array(numbers: &[$Number; $width]) -> Self {
+            pub(in crate::simd) fn from_array(numbers: &[$Number; $width]) -> Self {
                 // SAFETY: the array has the size of the vector, and an unaligned load is used; for
                 // the rest see the module.
-                Self(unsafe { $load(numbers.as_ptr()) })
+                Self(unsafe { $load(numbers.as_ptr().cast()) })
             }
 
             #[inline(always)]
-            fn to_array(self) -> [$Number; $width] {
+            pub(in crate::simd) fn to_array(self) -> [$Number; $width] {
                 let mut numbers = [0.0; $width];
                 // SAFETY: the array has the size of the vector, and an unaligned store is used; for
                 // the rest see the module.
-                unsafe { $store(numbers.as_mut_ptr(), self.0) };
+                unsafe { $store(numbers.as_mut_ptr().cast(), self.0) };
                 numbers
             }
         }
@@ -82,18 +82,20 @@ macro_rules! lane {
                 Self(unsafe { $select })
             }
 
-            // What is passed too gives the second where a number is none or both are zero.
-            #[inline(always)]
-            fn min(self, other: Self) -> Self {
-                // SAFETY: see the module.
-                Self(unsafe { $min(self.0, other.0) })
-            }
+            $(
+                // What is passed too gives the second where a number is none or both are zero.
+                #[inline(always)]
+                fn min(self, other: Self) -> Self {
+                    // SAFETY: see the module.
+                    Self(unsafe { $min(self.0, other.0) })
+                }
 
-            #[inline(always)]
-            fn max(self, other: Self) -> Self {
-                // SAFETY: see the module.
-                Self(unsafe { $max(self.0, other.0) })
-            }
+                #[inline(always)]
+                fn max(self, other: Self) -> Self {
+                    // SAFETY: see the module.
+                    Self(unsafe { $max(self.0, other.0) })
+                }
+            )?
 
             #[inline(always)]
             fn any($m: $Mask) -> bool {
@@ -154,7 +156,7 @@ macro_rules! tile {
                 if R::STRIDE == 1 {
                     // SAFETY: as many numbers behind each other as the tile is wide; for the rest
                     // see the module.
-                    tiles[0] = Self(unsafe { $load(rows.as_ptr().cast::<Real>()) });
+                    tiles[0] = Self(unsafe { $load(rows.as_ptr().cast()) });
                 } else if $rows::transposes::<R, N>() {
                     // SAFETY: as many rows as the tile is wide, of at least N numbers each; for the
                     // rest see the module.
@@ -198,7 +200,7 @@ macro_rules! tile {
                 if R::STRIDE == 1 {
                     // SAFETY: as many numbers behind each other as the tile is wide; for the rest
                     // see the module.
-                    unsafe { $store(rows.as_mut_ptr().cast::<Real>(), tiles[0].0) };
+                    unsafe { $store(rows.as_mut_ptr().cast(), tiles[0].0) };
                 } else if $rows::transposes::<R, N>() {
                     let mut vectors = [tiles[0].0; N];
                     let mut c = 1;

@@ -4,12 +4,16 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use tumble_math::lane::Lane;
 
+#[cfg(not(avx_code))]
+use super::four::{Four, FourLane};
+#[cfg(not(avx_code))]
+use super::target::Double;
 use super::{Record, Tile};
 
 /// Two tiles side by side: while an operation of one waits for its operands, the machine works on
 /// the other's.
 #[derive(Clone, Copy)]
-pub(super) struct Pair<T>(pub(super) T, pub(super) T);
+pub(super) struct Pair<T>(T, T);
 
 macro_rules! both {
     ($($Operator:ident: $method:ident),+) => {
@@ -128,5 +132,19 @@ impl<T: Tile> Tile for Pair<T> {
             c += 1;
         }
         T::are_zero(first) & T::are_zero(second)
+    }
+}
+
+#[cfg(not(avx_code))]
+impl FourLane for Pair<Double> {
+    #[inline(always)]
+    fn load(&[a, b, c, d]: &Four) -> Self {
+        Self(Double::from_array(&[a, b]), Double::from_array(&[c, d]))
+    }
+
+    #[inline(always)]
+    fn store(self, numbers: &mut Four) {
+        let ([a, b], [c, d]) = (self.0.to_array(), self.1.to_array());
+        *numbers = [a, b, c, d];
     }
 }

@@ -21,13 +21,16 @@ pub(super) trait Block: Sized + Copy {
 
 /// Blocks of vectors of four numbers: four by four, in place.
 #[cfg(not(feature = "f64"))]
-macro_rules! blocks_of_fours {
-    ($Vector:ty, $load:ident, $store:ident, $zip_low:ident, $zip_high:ident, $low_halves:ident, $high_halves:ident) => {
+macro_rules! blocks {
+    ($Vector:ty, $load:ident, $store:ident, $zip_low:ident, $zip_high:ident) => {
         impl Block for $Vector {
             #[inline(always)]
             unsafe fn load4(row: impl Fn(usize) -> *const Real) -> [Self; 4] {
                 // SAFETY: the caller's promise.
-                unsafe { transposed([$load(row(0)), $load(row(1)), $load(row(2)), $load(row(3))]) }
+                unsafe {
+                    let (a, b) = ($load(row(0).cast()), $load(row(1).cast()));
+                    transposed([a, b, $load(row(2).cast()), $load(row(3).cast())])
+                }
             }
 
             #[inline(always)]
@@ -35,10 +38,10 @@ macro_rules! blocks_of_fours {
                 // SAFETY: the caller's promise.
                 unsafe {
                     let rows = transposed(numbers);
-                    $store(base, rows[0]);
-                    $store(base.add(stride), rows[1]);
-                    $store(base.add(2 * stride), rows[2]);
-                    $store(base.add(3 * stride), rows[3]);
+                    $store(base.cast(), rows[0]);
+                    $store(base.add(stride).cast(), rows[1]);
+                    $store(base.add(2 * stride).cast(), rows[2]);
+                    $store(base.add(3 * stride).cast(), rows[3]);
                 }
             }
         }
@@ -47,33 +50,30 @@ macro_rules! blocks_of_fours {
         unsafe fn transposed([a, b, c, d]: [$Vector; 4]) -> [$Vector; 4] {
             // SAFETY: every machine of the target has vectors of 128 bits.
             unsafe {
-                let (ab_low, ab_high) = ($zip_low(a, b), $zip_high(a, b));
-                let (cd_low, cd_high) = ($zip_low(c, d), $zip_high(c, d));
+                let (ac_low, ac_high) = ($zip_low(a, c), $zip_high(a, c));
+                let (bd_low, bd_high) = ($zip_low(b, d), $zip_high(b, d));
                 [
-                    $low_halves(ab_low, cd_low),
-                    $high_halves(ab_low, cd_low),
-                    $low_halves(ab_high, cd_high),
-                    $high_halves(ab_high, cd_high),
+                    $zip_low(ac_low, bd_low),
+                    $zip_high(ac_low, bd_low),
+                    $zip_low(ac_high, bd_high),
+                    $zip_high(ac_high, bd_high),
                 ]
             }
         }
     };
 }
 
-#[cfg(not(feature = "f64"))]
-pub(super) use blocks_of_fours;
-
 /// Blocks of vectors of two numbers: two rows, each in two vectors.
 #[cfg(feature = "f64")]
-macro_rules! blocks_of_twos {
+macro_rules! blocks {
     ($Vector:ty, $load:ident, $store:ident, $zip_low:ident, $zip_high:ident) => {
         impl Block for $Vector {
             #[inline(always)]
             unsafe fn load4(row: impl Fn(usize) -> *const Real) -> [Self; 4] {
                 // SAFETY: the caller's promise.
                 unsafe {
-                    let low = ($load(row(0)), $load(row(1)));
-                    let high = ($load(row(0).add(2)), $load(row(1).add(2)));
+                    let low = ($load(row(0).cast()), $load(row(1).cast()));
+                    let high = ($load(row(0).add(2).cast()), $load(row(1).add(2).cast()));
                     [
                         $zip_low(low.0, low.1),
                         $zip_high(low.0, low.1),
@@ -87,18 +87,17 @@ macro_rules! blocks_of_twos {
             unsafe fn store4([a, b, c, d]: [Self; 4], base: *mut Real, stride: usize) {
                 // SAFETY: the caller's promise.
                 unsafe {
-                    $store(base, $zip_low(a, b));
-                    $store(base.add(2), $zip_low(c, d));
-                    $store(base.add(stride), $zip_high(a, b));
-                    $store(base.add(stride + 2), $zip_high(c, d));
+                    $store(base.cast(), $zip_low(a, b));
+                    $store(base.add(2).cast(), $zip_low(c, d));
+                    $store(base.add(stride).cast(), $zip_high(a, b));
+                    $store(base.add(stride + 2).cast(), $zip_high(c, d));
                 }
             }
         }
     };
 }
 
-#[cfg(feature = "f64")]
-pub(super) use blocks_of_twos;
+pub(super) use blocks;
 
 /// Whether rows are transposed in blocks; the few short ones are not.
 pub(super) const fn transposes<R: Record, const N: usize>() -> bool {

@@ -3,24 +3,13 @@
 use std::arch::x86_64::*;
 
 use crate::math::Real;
-use crate::simd::row_blocks::Block;
-#[cfg(not(feature = "f64"))]
-use crate::simd::row_blocks::blocks_of_fours;
-#[cfg(feature = "f64")]
-use crate::simd::row_blocks::blocks_of_twos;
+use crate::simd::row_blocks::{Block, blocks};
 
 #[cfg(not(feature = "f64"))]
-blocks_of_fours!(__m128, _mm_loadu_ps, _mm_storeu_ps, _mm_unpacklo_ps, _mm_unpackhi_ps, _mm_movelh_ps, high_halves);
-
-#[cfg(not(feature = "f64"))]
-#[inline(always)]
-unsafe fn high_halves(a: __m128, b: __m128) -> __m128 {
-    // SAFETY: SSE2 is part of x86-64.
-    unsafe { _mm_movehl_ps(b, a) }
-}
+blocks!(__m128, _mm_loadu_ps, _mm_storeu_ps, _mm_unpacklo_ps, _mm_unpackhi_ps);
 
 #[cfg(feature = "f64")]
-blocks_of_twos!(__m128d, _mm_loadu_pd, _mm_storeu_pd, _mm_unpacklo_pd, _mm_unpackhi_pd);
+blocks!(__m128d, _mm_loadu_pd, _mm_storeu_pd, _mm_unpacklo_pd, _mm_unpackhi_pd);
 
 /// Rows i and i + 4 share a vector.
 #[cfg(not(feature = "f64"))]

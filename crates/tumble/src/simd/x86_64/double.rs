@@ -4,7 +4,7 @@ use super::*;
 
 lane! {
     Sse2, f64, __m128d, __m128d, 2,
-    _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd, _mm_sqrt_pd, _mm_min_pd, _mm_max_pd,
+    _mm_set1_pd, _mm_loadu_pd, _mm_storeu_pd, _mm_add_pd, _mm_sub_pd, _mm_mul_pd, _mm_div_pd, _mm_sqrt_pd, _mm_min_pd, _mm_max_pd;
     neg: |n| _mm_xor_pd(n, _mm_set1_pd(-0.0)),
     lt: |a, b| _mm_cmplt_pd(a, b),
     select: |mask, t, f| _mm_or_pd(_mm_and_pd(mask, t), _mm_andnot_pd(mask, f)),
@@ -36,7 +36,7 @@ tile! {
 lane! {
     Avx512, f64, __m512d, __mmask8, 8,
     _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd,
-    _mm512_sqrt_pd, _mm512_min_pd, _mm512_max_pd,
+    _mm512_sqrt_pd, _mm512_min_pd, _mm512_max_pd;
     neg: |n| _mm512_castsi512_pd(_mm512_xor_si512(_mm512_castpd_si512(n), _mm512_set1_epi64(i64::MIN))),
     lt: |a, b| _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b),
     select: |mask, t, f| _mm512_mask_blend_pd(mask, f, t),

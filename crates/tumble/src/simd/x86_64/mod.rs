@@ -129,7 +129,7 @@ fn align_the_stack() {
 lane! {
     Avx2Four, f64, __m256d, __m256d, 4,
     _mm256_set1_pd, _mm256_loadu_pd, _mm256_storeu_pd, _mm256_add_pd, _mm256_sub_pd, _mm256_mul_pd, _mm256_div_pd,
-    _mm256_sqrt_pd, _mm256_min_pd, _mm256_max_pd,
+    _mm256_sqrt_pd, _mm256_min_pd, _mm256_max_pd;
     neg: |n| _mm256_xor_pd(n, _mm256_set1_pd(-0.0)),
     lt: |a, b| _mm256_cmp_pd::<_CMP_LT_OQ>(a, b),
     select: |mask, t, f| _mm256_blendv_pd(f, t, mask),

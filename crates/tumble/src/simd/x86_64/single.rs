@@ -4,7 +4,7 @@ use super::*;
 
 lane! {
     Sse2, f32, __m128, __m128, 4,
-    _mm_set1_ps, _mm_loadu_ps, _mm_storeu_ps, _mm_add_ps, _mm_sub_ps, _mm_mul_ps, _mm_div_ps, _mm_sqrt_ps, _mm_min_ps, _mm_max_ps,
+    _mm_set1_ps, _mm_loadu_ps, _mm_storeu_ps, _mm_add_ps, _mm_sub_ps, _mm_mul_ps, _mm_div_ps, _mm_sqrt_ps, _mm_min_ps, _mm_max_ps;
     neg: |n| _mm_xor_ps(n, _mm_set1_ps(-0.0)),
     lt: |a, b| _mm_cmplt_ps(a, b),
     select: |mask, t, f| _mm_or_ps(_mm_and_ps(mask, t), _mm_andnot_ps(mask, f)),
@@ -23,7 +23,7 @@ tile! {
 lane! {
     Avx2, f32, __m256, __m256, 8,
     _mm256_set1_ps, _mm256_loadu_ps, _mm256_storeu_ps, _mm256_add_ps, _mm256_sub_ps, _mm256_mul_ps, _mm256_div_ps,
-    _mm256_sqrt_ps, _mm256_min_ps, _mm256_max_ps,
+    _mm256_sqrt_ps, _mm256_min_ps, _mm256_max_ps;
     neg: |n| _mm256_xor_ps(n, _mm256_set1_ps(-0.0)),
     lt: |a, b| _mm256_cmp_ps::<_CMP_LT_OQ>(a, b),
     select: |mask, t, f| _mm256_blendv_ps(f, t, mask),
@@ -45,7 +45,7 @@ tile! {
 lane! {
     Avx512, f32, __m512, __mmask16, 16,
     _mm512_set1_ps, _mm512_loadu_ps, _mm512_storeu_ps, _mm512_add_ps, _mm512_sub_ps, _mm512_mul_ps, _mm512_div_ps,
-    _mm512_sqrt_ps, _mm512_min_ps, _mm512_max_ps,
+    _mm512_sqrt_ps, _mm512_min_ps, _mm512_max_ps;
     neg: |n| _mm512_castsi512_ps(_mm512_xor_si512(_mm512_castps_si512(n), _mm512_set1_epi32(i32::MIN))),
     lt: |a, b| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(a, b),
     select: |mask, t, f| _mm512_mask_blend_ps(mask, f, t),
