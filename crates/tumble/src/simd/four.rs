@@ -12,6 +12,18 @@ pub(crate) trait FourLane: Lane {
     fn load(numbers: &Four) -> Self;
 
     fn store(self, numbers: &mut Four);
+
+    /// The first numbers of the four rows, then the second ones, and so on.
+    #[inline(always)]
+    fn transpose([a, b, c, d]: [Self; 4]) -> [Self; 4] {
+        let mut rows = [[0.0; 4]; 4];
+        a.store(&mut rows[0]);
+        b.store(&mut rows[1]);
+        c.store(&mut rows[2]);
+        d.store(&mut rows[3]);
+        let [[a, e, i, m], [b, f, j, n], [c, g, k, o], [d, h, l, p]] = rows;
+        [Self::load(&[a, b, c, d]), Self::load(&[e, f, g, h]), Self::load(&[i, j, k, l]), Self::load(&[m, n, o, p])]
+    }
 }
 
 /// A computation with fours.

@@ -96,9 +96,8 @@ impl Block for __m256d {
     }
 }
 
-#[cfg(feature = "f64")]
 #[inline(always)]
-unsafe fn transpose_256d([a, b, c, d]: [__m256d; 4]) -> [__m256d; 4] {
+pub(super) unsafe fn transpose_256d([a, b, c, d]: [__m256d; 4]) -> [__m256d; 4] {
     // SAFETY: the caller has AVX2.
     unsafe {
         let (ab_even, ab_odd) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));

@@ -151,6 +151,13 @@ impl FourLane for Avx2Four {
     fn store(self, numbers: &mut Four) {
         *numbers = self.to_array();
     }
+
+    #[inline(always)]
+    fn transpose([a, b, c, d]: [Self; 4]) -> [Self; 4] {
+        // SAFETY: see the module.
+        let [a, b, c, d] = unsafe { blocks::transpose_256d([a.0, b.0, c.0, d.0]) };
+        [Self(a), Self(b), Self(c), Self(d)]
+    }
 }
 
 /// Runs a kernel of fours without AVX2.

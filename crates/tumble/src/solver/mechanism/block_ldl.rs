@@ -171,7 +171,13 @@ impl BlockLdl {
 
     /// Where the numbers of a node are in a vector, number by number.
     pub(crate) fn place(&self, node: usize) -> usize {
-        4 * self.starts[node]
+        4 * self.start(node)
+    }
+
+    /// The same in fours.
+    #[inline(always)]
+    pub(super) fn start(&self, node: usize) -> usize {
+        self.starts[node]
     }
 
     /// Sets a block beyond the diagonal to zero.

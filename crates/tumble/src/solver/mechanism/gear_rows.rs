@@ -117,6 +117,7 @@ impl GearRows {
 
     /// Leaves the error there is where it says nothing of where the joints should be.
     pub(crate) fn begin_step(&mut self, bodies: &[MechanismBody]) {
+        self.joints.iter_mut().for_each(|joint| joint.begin_step(bodies));
         self.start = if self.period == 0.0 { self.error(bodies) } else { 0.0 };
     }
 
@@ -135,8 +136,8 @@ impl GearRows {
     pub(crate) fn for_each_end(&self, amount: f64, mut then: impl FnMut(usize, Vec3<f64>, Vec3<f64>, Vec3<f64>)) {
         for (end, joint) in self.joints.iter().enumerate() {
             let (linear, angular) = (self.linear[end] * amount, self.angular[end] * amount);
-            then(joint.bodies[0], joint.arms[0], linear * -1.0, angular * -1.0);
-            then(joint.bodies[1], joint.arms[1], linear, angular);
+            then(joint.bodies[0], joint.arm(0), linear * -1.0, angular * -1.0);
+            then(joint.bodies[1], joint.arm(1), linear, angular);
         }
     }
 }

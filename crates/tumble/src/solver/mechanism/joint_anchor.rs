@@ -1,17 +1,17 @@
 //! Where joints are on their bodies.
 
-use tumble_math::lane::{Quat, Vec3};
+use tumble_math::lane::Quat;
 
 use crate::joints::joint_list::ListedJoint;
 use crate::math::{double, double_quat};
+use crate::solver::mechanism::fours::{row, row_of};
 use crate::solver::mechanism::joint_rows::Anchor;
 use crate::storage::body_index::BodyIndex;
 use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
 
 impl Anchor {
     /// At the centre of mass.
-    pub(crate) const CENTER: Self =
-        Self { position: Vec3 { x: 0.0, y: 0.0, z: 0.0 }, orientation: Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 } };
+    pub(crate) const CENTER: Self = Self { position: [0.0; 4], orientation: [0.0, 0.0, 0.0, 1.0] };
 }
 
 /// The frame of a joint at one end, along the axes that its row's orientation goes by.
@@ -24,11 +24,12 @@ pub(crate) fn anchor(joint: &ListedJoint, end: usize, body_index: &BodyIndex, co
         ArchetypeBodies::Dynamic(moving) => moving.axes.as_deref().map(|axes| axes[place.row as usize]),
         _ => None,
     };
-    match axes {
+    let (position, orientation) = match axes {
         Some(axes) => {
             let axes = Quat::<f64>::from(double_quat(axes.0.into())).normalize();
-            Anchor { position: axes.rotate_back(position), orientation: axes.conjugate() * orientation }
+            (axes.rotate_back(position), axes.conjugate() * orientation)
         }
-        None => Anchor { position, orientation },
-    }
+        None => (position, orientation),
+    };
+    Anchor { position: row_of(position, 0.0), orientation: row(orientation) }
 }

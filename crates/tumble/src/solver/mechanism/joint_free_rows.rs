@@ -6,6 +6,7 @@ use crate::joints::axes::Axes;
 use crate::joints::drives::Drive;
 use crate::joints::joint_options::JointOptions;
 use crate::solver::mechanism::block_kernels::MAX_ROWS;
+use crate::solver::mechanism::fours::vector;
 use crate::solver::mechanism::free_axis::{Direction, FreeAxis, free_axes};
 use crate::solver::mechanism::free_row::{FreeRow, Phase};
 use crate::solver::mechanism::joint_rows::{IDENTITY, JointRows};
@@ -68,6 +69,7 @@ impl JointRows {
             return;
         }
         let speeds = self.speeds(bodies);
+        let speeds = speeds.as_flattened();
         for (row, it) in (self.locked..).zip(&mut self.free_rows) {
             it.prepare(phase, time, is_first.then_some(speeds[row]));
         }
@@ -87,6 +89,7 @@ impl JointRows {
             return false;
         }
         let speeds = self.speeds(bodies);
+        let speeds = speeds.as_flattened();
         let mut is_changed = false;
         for (row, it) in (self.locked..).zip(&mut self.free_rows) {
             is_changed |= it.settle(phase, h, speeds[row] + response[row], impulses[row]);
@@ -126,7 +129,7 @@ impl JointRows {
             let amount = most - std::mem::replace(&mut it.pushed, most);
             if amount != 0.0 {
                 for (end, sign) in [-amount, amount].into_iter().enumerate() {
-                    bodies[ends[end]].push(linear[row] * sign, arms[end], angular[row] * sign);
+                    bodies[ends[end]].push(linear[row] * sign, vector(&arms[end]), vector(&angular[row]) * sign);
                 }
             }
         }
@@ -143,7 +146,7 @@ impl JointRows {
     /// Sets the errors of rows that are at a bound, as their modes have changed.
     fn update_bounds(&mut self) {
         for (row, it) in (self.locked..).zip(&self.free_rows) {
-            self.errors[row] = if it.is_at_bound() { it.error_at_bound(it.value) } else { 0.0 };
+            self.errors.as_flattened_mut()[row] = if it.is_at_bound() { it.error_at_bound(it.value) } else { 0.0 };
         }
     }
 
@@ -151,10 +154,10 @@ impl JointRows {
     pub(crate) fn own_responses(&self, bodies: &[MechanismBody]) -> [f64; MAX_ROWS] {
         let mut responses = [0.0; MAX_ROWS];
         for (row, response) in responses.iter_mut().enumerate().take(self.count) {
-            for (body, arm) in self.bodies.iter().zip(self.arms) {
+            for (body, arm) in self.bodies.iter().zip(self.arms()) {
                 let body = &bodies[*body];
-                let [torque, turned] = turning(body, arm, self.linear[row], self.angular[row]);
-                let linear = body.inverse_mass * self.linear[row].dot(self.linear[row]);
+                let [torque, turned] = turning(body, arm, self.linear[row], vector(&self.angular[row]));
+                let linear = body.inverse_mass() * self.linear[row].dot(self.linear[row]);
                 *response += linear + torque.dot(turned);
             }
         }
@@ -164,7 +167,7 @@ impl JointRows {
     /// By how much the distance of a row at a bound is more than the row can bring it to \[m\].
     pub(super) fn missed_distance(&self, row: usize, it: &FreeRow, bodies: &[MechanismBody]) -> f64 {
         let Direction { value, linear, .. } = self.direction(it.axis, bodies);
-        it.missed_distance(value, linear.dot(self.linear[row]) * value, self.wanted[row])
+        it.missed_distance(value, linear.dot(self.linear[row]) * value, self.wanted.as_flattened()[row])
     }
 
     /// Whether a row is of a free axis along which no impulse depends on the speed.

@@ -11,7 +11,7 @@ use crate::joints::joint_options::JointOptions;
 use crate::joints::limits::Limits;
 use crate::math::{dquat, dvec3};
 use crate::solver::mechanism::free_row::FreeRow;
-use crate::solver::mechanism::joint_rows::{Anchor, IDENTITY, JointRows, Stance};
+use crate::solver::mechanism::joint_rows::{Anchor, JointRows, Stance};
 
 /// The energy in springs of the joints of a world \[J\], with the same bits wherever they lie.
 ///
@@ -67,8 +67,7 @@ fn stance(joint: &Joint, poses: &View<'_, &Pose>) -> Option<Stance> {
 }
 
 fn energy(joint: &Joint, options: &JointOptions, stance: &Stance) -> f64 {
-    let anchor = Anchor { position: Vec3::zero(), orientation: IDENTITY };
-    let mut rows = JointRows::new([0, 1], [anchor; 2], joint.free, Some(options));
+    let mut rows = JointRows::new([0, 1], [Anchor::CENTER; 2], joint.free, Some(options));
     rows.take_options(options);
     let value = |row: &FreeRow| row.axis.direction(stance, joint.free, rows.reference).value;
     let of_row = |row: &FreeRow| row.potential(value(row));

@@ -1,41 +1,68 @@
 //! The rows of a joint: along what it pushes, and how far it is from being met.
 
-use tumble_math::lane::{Quat, Vec3};
+use tumble_math::lane::{Lane, Quat, Vec3};
 
 use crate::joints::axes::Axes;
 use crate::joints::joint_options::JointOptions;
-use crate::solver::mechanism::block_kernels::MAX_ROWS;
+use crate::simd::Four;
+use crate::solver::mechanism::block_kernels::{MAX_ROWS, fours};
+use crate::solver::mechanism::fours::{quaternion, row_of, vector};
 use crate::solver::mechanism::free_axis::{Direction, FreeAxis, free_axes};
 use crate::solver::mechanism::free_row::FreeRow;
 use crate::solver::mechanism::gear_rows::GearRows;
 use crate::solver::mechanism::joint_free_rows::has_distance;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
-use crate::solver::mechanism::rotations::{MIN_SINE, Rotations, from_square};
+use crate::solver::mechanism::rotations::{MIN_SINE, Rotations};
 
 /// The frame of a joint on one of its bodies: origin \[m\] from the centre of mass and orientation,
 /// along the axes that the body's orientation goes by.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Anchor {
-    pub(crate) position: Vec3<f64>,
-    pub(crate) orientation: Quat<f64>,
+    pub(crate) position: Four,
+    pub(crate) orientation: Four,
 }
+
+impl Anchor {
+    /// Whether it is at the centre of mass.
+    pub(super) fn is_center(&self) -> bool {
+        let position = vector(&self.position);
+        position.dot(position) == 0.0
+    }
+}
+
+/// A number for each row of a joint, zero beyond them.
+pub(crate) type OfRows = [Four; fours(MAX_ROWS)];
 
 /// A joint between two bodies of a mechanism, as a node of its matrix.
 #[derive(Clone, Debug)]
+#[repr(C)]
 pub(crate) struct JointRows {
     /// Among those of the mechanism.
     pub(crate) bodies: [usize; 2],
     pub(crate) anchors: [Anchor; 2],
+    /// From the first centre of mass to the second when the step began; and the sum of the radii of
+    /// gyration of the bodies, or what errors of points held at their centres are compared with
+    /// \[m\].
+    pub(super) between: Four,
+    /// From each centre of mass to the point where both bodies are pushed, and how long that is
+    /// \[m\].
+    pub(super) arms: [Four; 2],
+    /// From the second body's anchor to that point \[m\].
+    pub(super) from_anchor: Four,
+    /// By row: how far it is from being met, \[m\] or roughly \[rad\], where rows were set.
+    pub(crate) errors: OfRows,
+    /// By row: error that is left for the steps after this substep.
+    pub(crate) wanted: OfRows,
+    /// Along what each row pushes, and about what it turns besides; world frame. Those of locked
+    /// axes come first.
+    pub(super) angular: [Four; MAX_ROWS],
+    pub(crate) linear: [Vec3<f64>; MAX_ROWS],
     pub(super) free: Axes,
     /// Whether all translations are locked: then these are its first rows, along the axes of the
     /// world, and no other has a linear part.
     is_pinned: bool,
     /// Whether that is all of it.
     is_plain_ball: bool,
-    /// Along what each row pushes, and about what it turns besides; world frame. Those of locked
-    /// axes come first.
-    pub(crate) linear: [Vec3<f64>; MAX_ROWS],
-    pub(crate) angular: [Vec3<f64>; MAX_ROWS],
     pub(crate) count: usize,
     /// How many are of locked axes, and how many of these of translations.
     pub(crate) locked: usize,
@@ -47,18 +74,6 @@ pub(crate) struct JointRows {
     pub(super) reference: Option<Quat<f64>>,
     /// What it is in the place of a joint: its one row acts on four bodies.
     pub(crate) gear: Option<Box<GearRows>>,
-    /// From each centre of mass to the point where both bodies are pushed \[m\].
-    pub(crate) arms: [Vec3<f64>; 2],
-    pub(crate) arm_lengths: [f64; 2],
-    /// The sum of the radii of gyration of its bodies, or what errors of points held at their
-    /// centres are compared with \[m\].
-    pub(super) gyration: f64,
-    /// From the second body's anchor to that point \[m\].
-    pub(crate) from_anchor: Vec3<f64>,
-    /// By row: how far it is from being met, \[m\] or roughly \[rad\], where rows were set.
-    pub(crate) errors: [f64; MAX_ROWS],
-    /// By row: error that is left for the steps after this substep.
-    pub(crate) wanted: [f64; MAX_ROWS],
 }
 
 /// A joint as it stands: what rows and errors are made of.
@@ -96,7 +111,12 @@ impl JointRows {
             is_pinned,
             is_plain_ball,
             linear,
-            angular: [zero; MAX_ROWS],
+            angular: [[0.0; 4]; MAX_ROWS],
+            between: [0.0; 4],
+            arms: [[0.0; 4]; 2],
+            from_anchor: [0.0; 4],
+            errors: OfRows::default(),
+            wanted: OfRows::default(),
             count: locked + free_rows.len(),
             locked,
             linear_count: (0..3).filter(|axis| !free.has(*axis)).count(),
@@ -104,12 +124,6 @@ impl JointRows {
             free_rows,
             reference: None,
             gear: None,
-            arms: [zero; 2],
-            arm_lengths: [0.0; 2],
-            gyration: 0.0,
-            from_anchor: zero,
-            errors: [0.0; MAX_ROWS],
-            wanted: [0.0; MAX_ROWS],
         }
     }
 
@@ -130,17 +144,22 @@ impl JointRows {
     #[inline(always)]
     fn arms_and_gap(&self, bodies: &[MechanismBody]) -> ([Vec3<f64>; 2], Vec3<f64>) {
         let (a, b) = (&bodies[self.bodies[0]], &bodies[self.bodies[1]]);
-        let first = a.orientation.rotate(self.anchors[0].position);
-        let second = b.orientation.rotate(self.anchors[1].position);
-        let gap = (b.center - a.center) + (b.translation - a.translation) + (second - first);
-        ([first, second], gap)
+        let anchors = [vector(&self.anchors[0].position), vector(&self.anchors[1].position)];
+        let between = (vector(&self.between), [a.translation(), b.translation()]);
+        arms_and_gap([a.orientation(), b.orientation()], anchors, between)
     }
 
     /// How its frames are turned.
     #[inline(always)]
     fn orientations(&self, bodies: &[MechanismBody]) -> [Quat<f64>; 2] {
         let (a, b) = (&bodies[self.bodies[0]], &bodies[self.bodies[1]]);
-        [a.orientation * self.anchors[0].orientation, b.orientation * self.anchors[1].orientation]
+        let [first, second] = [0, 1].map(|end| quaternion(&self.anchors[end].orientation));
+        [a.orientation() * first, b.orientation() * second]
+    }
+
+    /// Whether it locks all translations, and nothing acts along its free axes.
+    pub(super) fn is_rigid_pin(&self) -> bool {
+        self.is_pinned && self.free_rows.is_empty()
     }
 
     /// Whether its rows are along the axes of the world.
@@ -153,14 +172,6 @@ impl JointRows {
     #[inline(always)]
     pub(crate) fn is_pinned(&self) -> bool {
         self.is_pinned
-    }
-
-    /// What is left of the errors of a plain ball.
-    #[inline(always)]
-    pub(crate) fn ball_left(&self, bodies: &[MechanismBody]) -> Vec3<f64> {
-        let (_, gap) = self.arms_and_gap(bodies);
-        let [x, y, z, ..] = self.wanted;
-        gap - Vec3::new(x, y, z)
     }
 
     pub(super) fn stance(&self, bodies: &[MechanismBody]) -> Stance {
@@ -181,7 +192,7 @@ impl JointRows {
             self.errors = self.errors(bodies);
             return;
         }
-        if self.is_pinned && self.free_rows.is_empty() {
+        if self.is_rigid_pin() {
             let (anchor_arms, gap) = self.arms_and_gap(bodies);
             self.set_arms(anchor_arms, gap, gap * 0.5);
             if !self.is_plain_ball {
@@ -198,7 +209,7 @@ impl JointRows {
         let mut locked_gap = zero;
         for axis in (0..3).filter(|axis| !self.free.has(*axis)) {
             let along = linear_axis(self.free, axis, &a);
-            (self.linear[row], self.angular[row]) = (along, zero);
+            (self.linear[row], self.angular[row]) = (along, [0.0; 4]);
             locked_gap = locked_gap + along * along.dot(stance.gap);
             row += 1;
         }
@@ -208,7 +219,7 @@ impl JointRows {
         let Self { free_rows, linear, angular, locked, free, reference, .. } = self;
         for (row, it) in (*locked..).zip(free_rows) {
             let direction = it.axis.direction(&stance, *free, *reference);
-            (linear[row], angular[row]) = (direction.linear, direction.angular);
+            (linear[row], angular[row]) = (direction.linear, row_of(direction.angular, 0.0));
             it.value = direction.value;
         }
         self.errors = self.errors_of(&stance);
@@ -219,16 +230,17 @@ impl JointRows {
     fn set_rotations(&mut self, [first, second]: [Quat<f64>; 2], row: usize) {
         let a = first.axes();
         match self.rotations {
-            Rotations::Locked => self.angular[row..row + 3].copy_from_slice(&a),
-            Rotations::About(k) => {
-                (self.angular[row], self.angular[row + 1]) = (a[(k + 1) % 3], a[(k + 2) % 3]);
+            Rotations::Locked | Rotations::About(_) => {
+                let axes = self.rotations.locked_axes(a).into_iter().take(self.rotations.locked());
+                self.angular[row..].iter_mut().zip(axes).for_each(|(about, axis)| *about = row_of(axis, 0.0));
             }
             Rotations::AboutBoth(i, j) => {
                 let across = second.axes()[j].cross(a[i]);
                 let sine = length(across);
                 // Where both axes are the same, about any other.
                 let is_none = sine < MIN_SINE;
-                self.angular[row] = if is_none { a[3 - i - j] } else { across * (2.0 / (sine * (1.0 + sine))) };
+                let about = if is_none { a[3 - i - j] } else { across * (2.0 / (sine * (1.0 + sine))) };
+                self.angular[row] = row_of(about, 0.0);
             }
             Rotations::Free => {}
         }
@@ -237,15 +249,26 @@ impl JointRows {
     /// Has both bodies pushed at a point that is half the locked gap from the second anchor.
     #[inline(always)]
     fn set_arms(&mut self, anchor_arms: [Vec3<f64>; 2], gap: Vec3<f64>, half: Vec3<f64>) {
-        self.arms = [anchor_arms[0] + gap - half, anchor_arms[1] - half];
-        self.arm_lengths = [length(self.arms[0]), length(self.arms[1])];
-        self.from_anchor = half * -1.0;
+        let [first, second, from_anchor] = pushed_at(anchor_arms, gap, half);
+        self.arms = [first, second].map(|arm| row_of(arm, length(arm)));
+        self.from_anchor = row_of(from_anchor, 0.0);
+    }
+
+    /// From a centre of mass to the point where both bodies are pushed \[m\].
+    #[inline(always)]
+    pub(crate) fn arm(&self, end: usize) -> Vec3<f64> {
+        vector(&self.arms[end])
+    }
+
+    /// From both centres of mass.
+    pub(crate) fn arms(&self) -> [Vec3<f64>; 2] {
+        [self.arm(0), self.arm(1)]
     }
 
     /// The errors where the bodies are.
     #[inline(always)]
-    pub(crate) fn errors(&self, bodies: &[MechanismBody]) -> [f64; MAX_ROWS] {
-        if self.is_pinned && self.free_rows.is_empty() {
+    pub(crate) fn errors(&self, bodies: &[MechanismBody]) -> OfRows {
+        if self.is_rigid_pin() {
             return self.pinned_errors(bodies, self.arms_and_gap(bodies).1);
         }
         self.other_errors(bodies)
@@ -253,70 +276,50 @@ impl JointRows {
 
     /// The same of a pinned joint along whose free axes nothing acts, where this is its gap.
     #[inline(always)]
-    fn pinned_errors(&self, bodies: &[MechanismBody], gap: Vec3<f64>) -> [f64; MAX_ROWS] {
-        let mut errors = [0.0; MAX_ROWS];
-        (errors[0], errors[1], errors[2]) = (gap.x, gap.y, gap.z);
+    fn pinned_errors(&self, bodies: &[MechanismBody], gap: Vec3<f64>) -> OfRows {
+        let mut errors = OfRows::default();
+        errors[0] = row_of(gap, 0.0);
         if !self.is_plain_ball {
             let [first, second] = self.orientations(bodies);
-            let rotations = self.rotation_errors(first.conjugate() * second);
-            errors[3..self.locked].iter_mut().zip(rotations).for_each(|(error, rotation)| *error = rotation);
+            let rotations = self.rotations.errors(first.conjugate() * second);
+            let of_rotations = &mut errors.as_flattened_mut()[3..self.locked];
+            of_rotations.iter_mut().zip(rotations).for_each(|(error, rotation)| *error = rotation);
         }
         errors
     }
 
     /// The same of other joints and gears.
-    fn other_errors(&self, bodies: &[MechanismBody]) -> [f64; MAX_ROWS] {
+    fn other_errors(&self, bodies: &[MechanismBody]) -> OfRows {
         if let Some(gear) = &self.gear {
-            let mut errors = [0.0; MAX_ROWS];
-            errors[0] = gear.error_since_start(bodies);
+            let mut errors = OfRows::default();
+            errors[0][0] = gear.error_since_start(bodies);
             return errors;
         }
         self.errors_of(&self.stance(bodies))
     }
 
-    /// Errors of the locked rotations where the second frame is turned like this against the first.
-    #[inline(always)]
-    fn rotation_errors(&self, turned: Quat<f64>) -> [f64; 3] {
-        let (v, w) = ([turned.x, turned.y, turned.z], turned.w);
-        // Axes of the second frame along those of the first, but for cosines of the whole.
-        let rises = |i: usize, k: usize, j: usize| 2.0 * (v[i] * v[k] + w * v[j]);
-        let falls = |i: usize, k: usize, j: usize| 2.0 * (v[i] * v[k] - w * v[j]);
-        match self.rotations {
-            Rotations::Locked => {
-                let twice = if w < 0.0 { -2.0 } else { 2.0 };
-                v.map(|component| component * twice)
-            }
-            Rotations::About(0) => [-falls(2, 0, 1), rises(1, 0, 2), 0.0],
-            Rotations::About(1) => [-falls(0, 1, 2), rises(2, 1, 0), 0.0],
-            Rotations::About(_) => [-falls(1, 2, 0), rises(0, 2, 1), 0.0],
-            Rotations::AboutBoth(0, 2) => [from_square(rises(0, 2, 1)), 0.0, 0.0],
-            Rotations::AboutBoth(0, _) => [from_square(falls(0, 1, 2)), 0.0, 0.0],
-            Rotations::AboutBoth(..) => [from_square(falls(1, 2, 0)), 0.0, 0.0],
-            Rotations::Free => [0.0; 3],
-        }
-    }
-
-    fn errors_of(&self, stance: &Stance) -> [f64; MAX_ROWS] {
-        let mut errors = [0.0; MAX_ROWS];
+    fn errors_of(&self, stance: &Stance) -> OfRows {
+        let mut of_rows = OfRows::default();
+        let (errors, wanted) = (of_rows.as_flattened_mut(), self.wanted.as_flattened());
         let mut row = 0;
         for axis in (0..3).filter(|axis| !self.free.has(*axis)) {
             errors[row] = stance.gap.dot(linear_axis(self.free, axis, &stance.axes[0]));
             row += 1;
         }
-        let rotations = self.rotation_errors(stance.orientations[0].conjugate() * stance.orientations[1]);
+        let rotations = self.rotations.errors(stance.orientations[0].conjugate() * stance.orientations[1]);
         errors[row..self.locked].iter_mut().zip(rotations).for_each(|(error, rotation)| *error = rotation);
         for (row, it) in (self.locked..).zip(&self.free_rows).filter(|(_, it)| it.is_at_bound()) {
             let Direction { value, linear, angular } = it.axis.direction(stance, self.free, self.reference);
             if it.axis == FreeAxis::Distance {
-                errors[row] = it.error_of_distance(value, linear.dot(self.linear[row]) * value, self.wanted[row]);
+                errors[row] = it.error_of_distance(value, linear.dot(self.linear[row]) * value, wanted[row]);
                 continue;
             }
-            let along = linear.dot(self.linear[row]) + angular.dot(self.angular[row]);
+            let along = linear.dot(self.linear[row]) + angular.dot(vector(&self.angular[row]));
             // Where the way back has turned, more along the row does not lead there.
             let leads_back = along > 0.5 && !value.is_nan();
-            errors[row] = if leads_back { it.error_at_bound(value) } else { self.wanted[row] };
+            errors[row] = if leads_back { it.error_at_bound(value) } else { wanted[row] };
         }
-        errors
+        of_rows
     }
 
     /// Whether it has a torque on a body that does not turn.
@@ -324,32 +327,42 @@ impl JointRows {
         let locks = self.locked > self.linear_count;
         let is_off = |(body, anchor): (usize, &Anchor)| {
             let body = &bodies[body];
-            body.inverse_mass != 0.0 && !body.turns && (locks || anchor.position.dot(anchor.position) > 0.0)
+            body.is_moved() && !body.turns() && (locks || !anchor.is_center())
         };
         self.bodies.into_iter().zip(&self.anchors).any(is_off)
     }
 
     /// To be called before the first substep of a step.
     pub(crate) fn begin_step(&mut self, bodies: &[MechanismBody]) {
-        self.wanted = [0.0; MAX_ROWS];
-        let gyration = |ends: [usize; 2]| ends.map(|body| bodies[body].radius_of_gyration()).iter().sum::<f64>();
-        self.gyration = gyration(self.bodies);
+        self.wanted = OfRows::default();
+        let [a, b] = self.bodies.map(|body| &bodies[body]);
+        self.between = row_of(b.center - a.center, a.radius_of_gyration() + b.radius_of_gyration());
         if let Some(gear) = &mut self.gear {
             gear.begin_step(bodies);
-            self.gyration = gear.joints.iter().map(|joint| gyration(joint.bodies)).sum();
+            self.between[3] = gear.joints.iter().map(JointRows::gyration).sum();
         }
     }
 
     /// Whether its bodies are points that are held at their centres, so that its arms are its gap.
     pub(super) fn is_of_points(&self) -> bool {
-        let is_centered = |anchor: &Anchor| anchor.position.dot(anchor.position) == 0.0;
-        self.gyration == 0.0 && self.linear_count > 0 && self.anchors.iter().all(is_centered)
+        self.gyration() == 0.0 && self.linear_count > 0 && self.anchors.iter().all(Anchor::is_center)
+    }
+
+    /// The sum of the radii of gyration of its bodies, or what errors of points held at their
+    /// centres are compared with \[m\].
+    fn gyration(&self) -> f64 {
+        self.between[3]
+    }
+
+    /// Has errors compared with this size at least \[m\].
+    pub(super) fn set_gyration(&mut self, size: f64) {
+        self.between[3] = size;
     }
 
     /// What errors are compared with: lengths of its arms, or where these are short of its bodies
     /// \[m\].
     pub(crate) fn size(&self) -> f64 {
-        (self.arm_lengths[0] + self.arm_lengths[1]).max(self.gyration)
+        (self.arms[0][3] + self.arms[1][3]).max(self.gyration())
     }
 
     /// The largest of numbers by row, of those that are locked or at a bound; of the size of the
@@ -367,16 +380,17 @@ impl JointRows {
     /// it were met. A bound that is to be reached has none, nor has a gear: its rows stay the same.
     pub(crate) fn misfit(&self) -> f64 {
         self.largest(|row| match row.checked_sub(self.locked).map(|row| &self.free_rows[row]) {
-            Some(law) => law.past_bound(self.errors[row]).max(0.0),
+            Some(law) => law.past_bound(self.errors.as_flattened()[row]).max(0.0),
             None if self.gear.is_some() => 0.0,
-            None => self.errors[row],
+            None => self.errors.as_flattened()[row],
         })
     }
 
     /// Sets what is left of the errors after a substep of `h` \[s\].
     pub(crate) fn plan_correction(&mut self, h: f64) {
         let linear = self.linear_count;
-        for (row, (wanted, error)) in self.wanted.iter_mut().zip(&self.errors).enumerate().take(self.locked) {
+        let (all_wanted, errors) = (self.wanted.as_flattened_mut(), self.errors.as_flattened());
+        for (row, (wanted, error)) in all_wanted.iter_mut().zip(errors).enumerate().take(self.locked) {
             let is_linear = self.gear.as_ref().map_or(row < linear, |gear| gear.is_linear());
             let most = h * correction_speed(is_linear);
             *wanted = error - error.clamp(-most, most);
@@ -384,46 +398,38 @@ impl JointRows {
         for (row, it) in (self.locked..).zip(&mut self.free_rows) {
             // A bound may be reached as fast as the bodies are.
             let most = h * correction_speed(it.axis.is_linear());
-            let error = if it.is_at_bound() { self.errors[row] } else { 0.0 };
+            let error = if it.is_at_bound() { errors[row] } else { 0.0 };
             let past = it.past_bound(error);
             it.is_corrected = past > 0.0;
-            self.wanted[row] = (past - most).max(0.0).copysign(error);
+            all_wanted[row] = (past - most).max(0.0).copysign(error);
         }
     }
 
     /// How fast each error grows by the velocities of the bodies.
-    pub(crate) fn speeds(&self, bodies: &[MechanismBody]) -> [f64; MAX_ROWS] {
+    pub(crate) fn speeds(&self, bodies: &[MechanismBody]) -> OfRows {
         self.speeds_by(|body| [bodies[body].linear_velocity(), bodies[body].angular_velocity()])
-    }
-
-    /// How fast the anchors of a plain ball part.
-    #[inline(always)]
-    pub(crate) fn velocity_apart(&self, bodies: &[MechanismBody]) -> Vec3<f64> {
-        let (a, b) = (&bodies[self.bodies[0]], &bodies[self.bodies[1]]);
-        (b.linear_velocity() + b.angular_velocity().cross(self.arms[1]))
-            - (a.linear_velocity() + a.angular_velocity().cross(self.arms[0]))
     }
 
     /// How fast each error grows by linear and angular velocities of bodies.
     #[inline]
-    pub(crate) fn speeds_by(&self, velocities: impl Fn(usize) -> [Vec3<f64>; 2]) -> [f64; MAX_ROWS] {
-        let mut speeds = [0.0; MAX_ROWS];
+    pub(crate) fn speeds_by(&self, velocities: impl Fn(usize) -> [Vec3<f64>; 2]) -> OfRows {
+        let mut speeds = OfRows::default();
         if let Some(gear) = &self.gear {
-            speeds[0] = gear.speed(velocities);
+            speeds[0][0] = gear.speed(velocities);
             return speeds;
         }
         let [apart, turn] = self.relative_velocity(velocities);
         if self.is_plain_ball() {
-            (speeds[0], speeds[1], speeds[2]) = (apart.x, apart.y, apart.z);
+            speeds[0] = row_of(apart, 0.0);
             return speeds;
         }
         let mut first = 0;
         if self.is_pinned {
-            (speeds[0], speeds[1], speeds[2]) = (apart.x, apart.y, apart.z);
+            speeds[0] = row_of(apart, 0.0);
             first = 3;
         }
-        for (row, speed) in speeds.iter_mut().enumerate().take(self.count).skip(first) {
-            *speed = self.linear[row].dot(apart) + self.angular[row].dot(turn);
+        for (row, speed) in speeds.as_flattened_mut().iter_mut().enumerate().take(self.count).skip(first) {
+            *speed = self.linear[row].dot(apart) + vector(&self.angular[row]).dot(turn);
         }
         speeds
     }
@@ -432,7 +438,7 @@ impl JointRows {
     #[inline]
     pub(crate) fn relative_velocity(&self, velocities: impl Fn(usize) -> [Vec3<f64>; 2]) -> [Vec3<f64>; 2] {
         let (a, b) = (velocities(self.bodies[0]), velocities(self.bodies[1]));
-        [(b[0] + b[1].cross(self.arms[1])) - (a[0] + a[1].cross(self.arms[0])), b[1] - a[1]]
+        [(b[0] + b[1].cross(self.arm(1))) - (a[0] + a[1].cross(self.arm(0))), b[1] - a[1]]
     }
 
     /// The impulse and the angular impulse on the second body of impulses along the rows.
@@ -449,15 +455,34 @@ impl JointRows {
         if let (true, &[x, y, z, ..]) = (self.is_pinned, along) {
             sum[0] = Vec3::new(x, y, z);
             let rows = self.angular.iter().zip(along).skip(3);
-            rows.for_each(|(angular, amount)| sum[1] = sum[1] + *angular * *amount);
+            rows.for_each(|(angular, amount)| sum[1] = sum[1] + vector(angular) * *amount);
             return sum;
         }
         for (row, amount) in along.iter().enumerate() {
             sum[0] = sum[0] + self.linear[row] * *amount;
-            sum[1] = sum[1] + self.angular[row] * *amount;
+            sum[1] = sum[1] + vector(&self.angular[row]) * *amount;
         }
         sum
     }
+}
+
+/// From each centre of mass to its anchor, and from the first anchor to the second: with what was
+/// between the centres when the step began, and how far they have gone since.
+#[inline(always)]
+pub(super) fn arms_and_gap<L: Lane>(
+    orientations: [Quat<L>; 2],
+    anchors: [Vec3<L>; 2],
+    (between, translations): (Vec3<L>, [Vec3<L>; 2]),
+) -> ([Vec3<L>; 2], Vec3<L>) {
+    let (first, second) = (orientations[0].rotate(anchors[0]), orientations[1].rotate(anchors[1]));
+    ([first, second], between + (translations[1] - translations[0]) + (second - first))
+}
+
+/// From the centres of mass, and from the second anchor, to the point where both bodies are pushed,
+/// half the locked gap before the second anchor.
+#[inline(always)]
+pub(super) fn pushed_at<L: Lane>([first, second]: [Vec3<L>; 2], gap: Vec3<L>, half: Vec3<L>) -> [Vec3<L>; 3] {
+    [first + gap - half, second - half, half * L::splat(-1.0)]
 }
 
 /// Along which a translation is locked: where all are, those of the world do as well.

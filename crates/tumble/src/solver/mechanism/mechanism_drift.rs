@@ -1,190 +1,159 @@
-//! The free motion of the bodies of a mechanism, four at a time.
+//! The free motion of the bodies of a mechanism, and the inertia that follows it, four at a time.
 
 use tumble_math::FreeRotation;
-use tumble_math::lane::{Quat, Vec3};
+use tumble_math::lane::Vec3;
 
 use crate::integrators::state::Moments;
-use crate::simd::{Four, FourKernel, FourLane, dispatch_fours};
-use crate::solver::mechanism::mechanism_body::MechanismBody;
+use crate::simd::{FourKernel, FourLane, dispatch_fours};
+use crate::solver::mechanism::fours::{
+    by_place, four_of, of_each, quaternion, quaternions, row, rows, rows_of, vectors,
+};
+use crate::solver::mechanism::mechanism_body::{KEPT_LOAD, MAX_SQUARED_ANGLE, MechanismBody, SavedBody};
 
-/// From where bodies drift, and the inertia that they drift with.
-#[derive(Clone, Debug)]
-pub(crate) struct Drift {
-    fours: Vec<FourBodies>,
+/// Moves bodies from where they were saved for `h` \[s\], without what turns with them but their
+/// orientations.
+pub(super) fn drift(bodies: &mut [MechanismBody], saved: &[SavedBody], h: f64) {
+    dispatch_fours(Drift { bodies, saved, h });
 }
 
-/// Numbers of four bodies side by side.
-#[derive(Clone, Copy, Debug)]
-struct FourBodies {
-    translation: [Four; 3],
-    orientation: [Four; 4],
-    inverse_mass: Four,
-    moments: [Four; 3],
-    inverse_moments: [Four; 3],
+/// Lets the inverse inertia of bodies follow their orientations.
+pub(super) fn follow(bodies: &mut [MechanismBody]) {
+    dispatch_fours(Follow { bodies });
 }
 
-impl FourBodies {
-    /// Of bodies that stay where they are.
-    const NONE: Self = Self {
-        translation: [[0.0; 4]; 3],
-        orientation: [[0.0; 4], [0.0; 4], [0.0; 4], [1.0; 4]],
-        inverse_mass: [1.0; 4],
-        moments: [[1.0; 4]; 3],
-        inverse_moments: [[1.0; 4]; 3],
-    };
-
-    fn set(&mut self, place: usize, body: &MechanismBody) {
-        set(&mut self.translation, place, numbers(body.translation));
-        let Quat { x, y, z, w } = body.orientation;
-        set(&mut self.orientation, place, [x, y, z, w]);
-        // What is not dynamic has velocities for momenta.
-        self.inverse_mass[place] = if body.inverse_mass == 0.0 { 1.0 } else { body.inverse_mass };
-        if body.turns {
-            set(&mut self.moments, place, numbers(body.moments));
-            set(&mut self.inverse_moments, place, numbers(body.inverse_moments));
-        }
-    }
-
-    /// The translations and orientations after `h` \[s\] with linear and angular momenta.
-    #[inline(always)]
-    fn drift<T: FourLane>(&self, momenta: &[[Four; 3]; 2], h: f64) -> ([Four; 3], [Four; 4]) {
-        let h = T::splat(h);
-        let [linear, angular] = [vector::<T>(&momenta[0]), vector::<T>(&momenta[1])];
-        let translation = vector::<T>(&self.translation) + linear * T::load(&self.inverse_mass) * h;
-        let (moments, inverses) = (vector::<T>(&self.moments), vector::<T>(&self.inverse_moments));
-        let turned = FreeRotation::new(moments, inverses, None, h).rotate(rotation(&self.orientation), angular);
-        let (mut at, mut along) = ([[0.0; 4]; 3], [[0.0; 4]; 4]);
-        store(translation, &mut at);
-        turned.x.store(&mut along[0]);
-        turned.y.store(&mut along[1]);
-        turned.z.store(&mut along[2]);
-        turned.w.store(&mut along[3]);
-        (at, along)
-    }
+/// Raises the inertia of bodies to the loads of a substep of `h` \[s\]: by body, the sum over its
+/// joints of impulse times arm [kg m^2/s].
+pub(super) fn take_loads(bodies: &mut [MechanismBody], pulls: &[f64], h: f64) {
+    dispatch_fours(TakeLoads { bodies, pulls, h });
 }
 
-impl Drift {
-    /// With room for this many bodies.
-    pub(crate) fn with_capacity(bodies: usize) -> Self {
-        Self { fours: Vec::with_capacity(bodies.div_ceil(4)) }
-    }
-
-    /// Takes over where bodies are, and their moments.
-    pub(crate) fn begin_at(&mut self, bodies: &[MechanismBody]) {
-        self.fours.clear();
-        for bodies in bodies.chunks(4) {
-            let mut four = FourBodies::NONE;
-            bodies.iter().enumerate().for_each(|(place, body)| four.set(place, body));
-            self.fours.push(four);
-        }
-    }
-
-    /// Moves the same bodies from there for `h` \[s\], without what turns with them but their
-    /// orientations.
-    pub(crate) fn run(&self, bodies: &mut [MechanismBody], h: f64) {
-        dispatch_fours(Run { drift: self, bodies, h });
-    }
-
-    /// Lets the inverse inertia of the bodies follow their orientations.
-    pub(crate) fn end(&self, bodies: &mut [MechanismBody]) {
-        dispatch_fours(End { drift: self, bodies });
-    }
-}
-
-struct End<'a> {
-    drift: &'a Drift,
+struct Drift<'a> {
     bodies: &'a mut [MechanismBody],
-}
-
-impl FourKernel for End<'_> {
-    #[inline(always)]
-    fn run<T: FourLane>(self) {
-        for (four, bodies) in self.drift.fours.iter().zip(self.bodies.chunks_mut(4)) {
-            let mut orientation = FourBodies::NONE.orientation;
-            for (place, body) in bodies.iter().enumerate() {
-                let Quat { x, y, z, w } = body.orientation;
-                set(&mut orientation, place, [x, y, z, w]);
-            }
-            let inverse_moments = vector::<T>(&four.inverse_moments);
-            let moments = Moments { moments: inverse_moments, inverse_moments, axes: None };
-            let (diagonal, off_diagonal) = moments.inverse_in_world(rotation(&orientation));
-            let mut inertia = [[[0.0; 4]; 3]; 2];
-            store(diagonal, &mut inertia[0]);
-            store(off_diagonal, &mut inertia[1]);
-            for (place, body) in bodies.iter_mut().enumerate().filter(|(_, body)| body.turns) {
-                body.inverse_inertia = [at(&inertia[0], place), at(&inertia[1], place)];
-            }
-        }
-    }
-}
-
-struct Run<'a> {
-    drift: &'a Drift,
-    bodies: &'a mut [MechanismBody],
+    saved: &'a [SavedBody],
     h: f64,
 }
 
-impl FourKernel for Run<'_> {
+impl FourKernel for Drift<'_> {
     #[inline(always)]
     fn run<T: FourLane>(self) {
-        let Self { drift, bodies, h } = self;
-        for (four, bodies) in drift.fours.iter().zip(bodies.chunks_mut(4)) {
-            let mut momenta = [[[0.0; 4]; 3]; 2];
-            for (place, body) in bodies.iter().enumerate() {
-                set(&mut momenta[0], place, numbers(body.linear));
-                if body.turns {
-                    set(&mut momenta[1], place, numbers(body.angular));
+        let Self { bodies, saved, h } = self;
+        let [zero, one] = [0.0, 1.0].map(T::splat);
+        for first in (0..bodies.len()).step_by(4) {
+            let four = four_of(first, bodies.len());
+            let (at, _) = vectors::<T>(of_each!(four, i => &saved[i].translation));
+            let (linear, inverse_mass) = vectors::<T>(of_each!(four, i => &bodies[i].linear));
+            // What is not dynamic has velocities for momenta.
+            let inverse_mass = T::select(zero.lt(inverse_mass), inverse_mass, one);
+            let translations = rows_of(at + linear * inverse_mass * T::splat(h), zero);
+            let orientation = quaternions::<T>(of_each!(four, i => &saved[i].orientation));
+            let (angular, turns) = vectors::<T>(of_each!(four, i => &bodies[i].angular));
+            let turns = zero.lt(turns);
+            let (moments, _) = vectors::<T>(of_each!(four, i => &bodies[i].moments));
+            let (inverses, _) = vectors::<T>(of_each!(four, i => &bodies[i].inverse_moments));
+            let moments = Vec3::select(turns, moments, Vec3::splat(one));
+            let inverses = Vec3::select(turns, inverses, Vec3::splat(one));
+            let angular = Vec3::select(turns, angular, Vec3::splat(zero));
+            let turned = FreeRotation::new(moments, inverses, None, T::splat(h)).rotate(orientation, angular);
+            let orientations = rows(turned);
+            // The last of four bodies that are fewer stands there several times, with the same numbers.
+            by_place!(k of 4 {
+                let body = &mut bodies[four[k]];
+                translations[k].store(&mut body.translation);
+                if body.turns() {
+                    orientations[k].store(&mut body.orientation);
+                } else if !body.is_moved() {
+                    let start = quaternion(&saved[four[k]].orientation);
+                    body.orientation = row(tumble_math::rotate_exactly(start, body.angular(), h));
                 }
-            }
-            let (at, along) = four.drift::<T>(&momenta, h);
-            for (place, body) in bodies.iter_mut().enumerate() {
-                body.translation = self::at(&at, place);
-                if body.turns {
-                    let [x, y, z, w] = along;
-                    body.orientation = Quat { x: x[place], y: y[place], z: z[place], w: w[place] };
-                } else if body.inverse_mass == 0.0 {
-                    let [x, y, z, w] = four.orientation;
-                    let orientation = Quat { x: x[place], y: y[place], z: z[place], w: w[place] };
-                    body.orientation = tumble_math::rotate_exactly(orientation, body.angular, h);
-                }
-            }
+            });
         }
     }
 }
 
-#[inline(always)]
-fn set<const N: usize>(numbers: &mut [Four; N], place: usize, values: [f64; N]) {
-    let mut i = 0;
-    while i < N {
-        numbers[i][place] = values[i];
-        i += 1;
+struct Follow<'a> {
+    bodies: &'a mut [MechanismBody],
+}
+
+impl FourKernel for Follow<'_> {
+    #[inline(always)]
+    fn run<T: FourLane>(self) {
+        let Self { bodies } = self;
+        for first in (0..bodies.len()).step_by(4) {
+            let four = four_of(first, bodies.len());
+            let (inverse_moments, _) = vectors::<T>(of_each!(four, i => &bodies[i].inverse_moments));
+            set_inverse_inertia(bodies, four, inverse_moments);
+        }
     }
 }
 
+/// Sets the inverse inertia of those of four bodies that turn to these inverse moments.
 #[inline(always)]
-fn vector<T: FourLane>([x, y, z]: &[Four; 3]) -> Vec3<T> {
-    Vec3::new(T::load(x), T::load(y), T::load(z))
+fn set_inverse_inertia<T: FourLane>(bodies: &mut [MechanismBody], four: [usize; 4], inverse_moments: Vec3<T>) {
+    let orientation = quaternions::<T>(of_each!(four, i => &bodies[i].orientation));
+    let moments = Moments { moments: inverse_moments, inverse_moments, axes: None };
+    let (diagonal, off_diagonal) = moments.inverse_in_world(orientation);
+    let zero = T::splat(0.0);
+    let (diagonals, off_diagonals) = (rows_of(diagonal, zero), rows_of(off_diagonal, zero));
+    by_place!(k of 4 {
+        let body = &mut bodies[four[k]];
+        if body.turns() {
+            diagonals[k].store(&mut body.inverse_inertia[0]);
+            off_diagonals[k].store(&mut body.inverse_inertia[1]);
+        }
+    });
 }
 
-#[inline(always)]
-fn store<T: FourLane>(v: Vec3<T>, [x, y, z]: &mut [Four; 3]) {
-    v.x.store(x);
-    v.y.store(y);
-    v.z.store(z);
+struct TakeLoads<'a> {
+    bodies: &'a mut [MechanismBody],
+    pulls: &'a [f64],
+    h: f64,
 }
 
-#[inline(always)]
-fn rotation<T: FourLane>([x, y, z, w]: &[Four; 4]) -> Quat<T> {
-    Quat { x: T::load(x), y: T::load(y), z: T::load(z), w: T::load(w) }
-}
-
-/// Of one body.
-#[inline(always)]
-fn at([x, y, z]: &[Four; 3], place: usize) -> Vec3<f64> {
-    Vec3::new(x[place], y[place], z[place])
-}
-
-#[inline(always)]
-fn numbers(v: Vec3<f64>) -> [f64; 3] {
-    [v.x, v.y, v.z]
+impl FourKernel for TakeLoads<'_> {
+    #[inline(always)]
+    fn run<T: FourLane>(self) {
+        let Self { bodies, pulls, h } = self;
+        let zero = T::splat(0.0);
+        for first in (0..bodies.len()).step_by(4) {
+            let four = four_of(first, bodies.len());
+            let (own, least) = vectors::<T>(of_each!(four, i => &bodies[i].own_moments));
+            let (moments, load) = vectors::<T>(of_each!(four, i => &bodies[i].moments));
+            let (momentum, turns) = vectors::<T>(of_each!(four, i => &bodies[i].angular));
+            let pull = T::load(&of_each!(four, i => pulls[i]));
+            let asked = (T::splat(h) * pull / T::splat(MAX_SQUARED_ANGLE)).max(T::splat(KEPT_LOAD) * load);
+            // What is no more changes nothing now, and nothing that is left of it will.
+            let asked = T::select(least.lt(asked), asked, zero);
+            let is_loaded = zero.lt(T::select(zero.lt(turns), asked.max(load), zero));
+            if !T::any(is_loaded) {
+                continue;
+            }
+            let raised = Vec3::new(own.x.max(asked), own.y.max(asked), own.z.max(asked));
+            let orientation = quaternions::<T>(of_each!(four, i => &bodies[i].orientation));
+            let ratio = Vec3::new(raised.x / moments.x, raised.y / moments.y, raised.z / moments.z);
+            let scaled = orientation.rotate(orientation.rotate_back(momentum).scale(ratio));
+            // More inertia is taken at the momentum that there is, less of it at the velocity: neither
+            // makes energy.
+            let change = raised - moments;
+            let change = change.x.abs().max(change.y.abs()).max(change.z.abs());
+            let change = T::select(load.lt(asked), zero, T::select(is_loaded, change, zero));
+            let is_scaled = zero.lt(change);
+            let (dropped, damping_work) = vectors::<T>(of_each!(four, i => &bodies[i].dropped));
+            let dropped = Vec3::select(is_scaled, dropped + momentum - scaled, dropped);
+            let momentum = Vec3::select(is_scaled, scaled, momentum);
+            let moments = Vec3::select(is_loaded, raised, moments);
+            let load = T::select(is_loaded, asked, load);
+            let one = T::splat(1.0);
+            let inverses = Vec3::new(one / moments.x, one / moments.y, one / moments.z);
+            let (momenta, moments) = (rows_of(momentum, turns), rows_of(moments, load));
+            let (inverse_moments, dropped) = (rows_of(inverses, zero), rows_of(dropped, damping_work));
+            by_place!(k of 4 {
+                let body = &mut bodies[four[k]];
+                momenta[k].store(&mut body.angular);
+                moments[k].store(&mut body.moments);
+                inverse_moments[k].store(&mut body.inverse_moments);
+                dropped[k].store(&mut body.dropped);
+            });
+            set_inverse_inertia(bodies, four, inverses);
+        }
+    }
 }

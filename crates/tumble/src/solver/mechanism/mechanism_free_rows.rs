@@ -94,6 +94,7 @@ impl MechanismSolver {
         let Self { joints, bodies, .. } = self;
         for joint in joints.iter_mut().filter(|joint| !joint.free_rows.is_empty()) {
             let speeds = joint.speeds(bodies);
+            let speeds = speeds.as_flattened();
             let locked = joint.locked;
             (locked..).zip(&mut joint.free_rows).for_each(|(row, it)| it.note_springs(speeds[row]));
         }

@@ -7,6 +7,7 @@ use crate::simd::{Four, FourKernel, FourLane, dispatch_fours};
 use crate::solver::mechanism::block_kernels::{UNITS, fours, sized, unrolled};
 use crate::solver::mechanism::block_ldl::{BlockLdl, ends};
 use crate::solver::mechanism::elimination::Elimination;
+use crate::solver::mechanism::fours::vector;
 use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_solver::{MechanismSolver, SIGNS};
@@ -146,7 +147,7 @@ impl MechanismSolver {
         for coupling in &*couplings {
             let (row, column) = (&joints[coupling.joints[0] as usize], &joints[coupling.joints[1] as usize]);
             let body = &bodies[coupling.body as usize];
-            let factors = [coupling.sign * body.inverse_mass, coupling.sign];
+            let factors = [coupling.sign * body.inverse_mass(), coupling.sign];
             let numbers = &mut blocks[coupling.block as usize..];
             let of_row = coupling.of_row.map(|start| &columns[start as usize..]);
             let of_column = coupling.of_column.map(|start| &columns[start as usize..]);
@@ -272,7 +273,7 @@ fn set_diagonal<T: FourLane>(
     let first = if joint.is_pinned() { 3 } else { 0 };
     unrolled!(row in n {
         if row >= first {
-            let (along, about) = (joint.linear[row], joint.angular[row]);
+            let (along, about) = (joint.linear[row], vector(&joint.angular[row]));
             let numbers = [along.x, along.y, along.z, about.x, about.y, about.z];
             for (axis, number) in numbers.into_iter().enumerate() {
                 directions[axis * w + row / 4][row % 4] = number;
@@ -282,8 +283,8 @@ fn set_diagonal<T: FourLane>(
     let (linear, angular) = directions.split_at(3 * w);
     for (end, turning) in turning.chunks_exact_mut(6 * w).enumerate() {
         let body = &bodies[joint.bodies[end]];
-        let arm = lanes::<T>(joint.arms[end]);
-        let [d, o] = body.inverse_inertia.map(lanes::<T>);
+        let arm = lanes::<T>(joint.arm(end));
+        let [d, o] = body.inverse_inertia().map(lanes::<T>);
         let (torques, responses) = turning.split_at_mut(3 * w);
         for j in 0..w {
             let along = Vec3::new(T::load(&linear[j]), T::load(&linear[w + j]), T::load(&linear[2 * w + j]));
@@ -298,7 +299,7 @@ fn set_diagonal<T: FourLane>(
             response.z.store(&mut responses[2 * w + j]);
         }
     }
-    let inverse_mass: f64 = joint.bodies.iter().map(|body| bodies[*body].inverse_mass).sum();
+    let inverse_mass: f64 = joint.bodies.iter().map(|body| bodies[*body].inverse_mass()).sum();
     let inverse_mass = T::splat(inverse_mass);
     let is_pinned = joint.is_pinned();
     unrolled!(i in n {
@@ -329,7 +330,7 @@ fn of_gear(joint: &JointRows, bodies: &[MechanismBody], columns: &mut [Four]) ->
         let linear = gear.linear[pair];
         for end in 0..2 {
             let body = &bodies[of_pair.bodies[end]];
-            turnings[2 * pair + end] = turning(body, of_pair.arms[end], linear, gear.angular[pair]);
+            turnings[2 * pair + end] = turning(body, of_pair.arm(end), linear, gear.angular[pair]);
         }
         let [first, second] = [turnings[2 * pair], turnings[2 * pair + 1]];
         let vectors = [linear, gear.angular[pair], first[0], first[1], second[0], second[1]];
@@ -341,7 +342,7 @@ fn of_gear(joint: &JointRows, bodies: &[MechanismBody], columns: &mut [Four]) ->
     for (a, body) in joint.ends().enumerate() {
         for (b, _) in joint.ends().enumerate().filter(|(_, other)| *other == body) {
             let sign = SIGNS[a % 2] * SIGNS[b % 2];
-            let linear = bodies[body].inverse_mass * gear.linear[a / 2].dot(gear.linear[b / 2]);
+            let linear = bodies[body].inverse_mass() * gear.linear[a / 2].dot(gear.linear[b / 2]);
             sum += sign * (linear + turnings[a][0].dot(turnings[b][1]));
         }
     }

@@ -104,7 +104,7 @@ impl MechanismSolver {
 
     /// Kinetic energy of the bodies that impulses move, with the moments that they have now \[J\].
     pub(super) fn kinetic_energy(&self) -> f64 {
-        let moving = self.bodies.iter().filter(|body| body.inverse_mass != 0.0);
+        let moving = self.bodies.iter().filter(|body| body.is_moved());
         moving.map(MechanismBody::kinetic_energy).sum()
     }
 
@@ -113,21 +113,21 @@ impl MechanismSolver {
     pub(super) fn take_back_gain(&mut self) {
         let gives_energy = |row: &FreeRow| !row.is_passive();
         let is_driven = self.joints.iter().flat_map(|joint| &joint.free_rows).any(gives_energy)
-            || self.bodies.iter().any(|body| body.inverse_mass == 0.0 && body.is_moving());
+            || self.bodies.iter().any(|body| !body.is_moved() && body.is_moving());
         if self.gain <= 0.0 || is_driven {
             return;
         }
         let lock = self.lock_of_free();
         let rigid = self.free_bodies().map_or(Some(Rigid::AT_REST), |bodies| Rigid::of(bodies, lock));
         let Some(rigid) = rigid else { return };
-        let moving = self.bodies.iter().filter(|body| body.inverse_mass != 0.0);
+        let moving = self.bodies.iter().filter(|body| body.is_moved());
         let velocities = |body: &MechanismBody| (rigid.velocity_at(body.position()), rigid.angular);
         let within: f64 = moving.map(|body| body.kinetic_energy_against(velocities(body))).sum();
         if !(self.contradicts || self.gain > MAX_SHARE * within) {
             return;
         }
         let kept = if self.gain < within { (1.0 - self.gain / within).sqrt() } else { 0.0 };
-        for body in self.bodies.iter_mut().filter(|body| body.inverse_mass != 0.0) {
+        for body in self.bodies.iter_mut().filter(|body| body.is_moved()) {
             body.keep_of_motion(kept, velocities(body));
         }
     }
@@ -154,8 +154,8 @@ impl Rigid {
             bodies.iter().fold(Vec3::zero(), |sum: Vec3<f64>, body| sum + of_body(body))
         };
         let center = sum(&|body| body.position() * body.mass()) * (1.0 / mass);
-        let linear = lock.along_free((sum(&|body| body.linear) * (1.0 / mass)).into()).into();
-        let momentum = sum(&|body| (body.position() - center).cross(body.linear) + body.angular);
+        let linear = lock.along_free((sum(&|body| body.linear()) * (1.0 / mass)).into()).into();
+        let momentum = sum(&|body| (body.position() - center).cross(body.linear()) + body.angular());
         let angular = turned_by(bodies, center, momentum, lock)?;
         Some(Self { center, linear, angular })
     }

@@ -7,13 +7,13 @@ use crate::joints::axis_lock::AxisLock;
 use crate::math::Real;
 use crate::simd::Four;
 use crate::solver::mechanism::block_ldl::BlockLdl;
-use crate::solver::mechanism::free_axis::FreeAxis;
 use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::joint_free_rows::has_distance;
-use crate::solver::mechanism::joint_rows::{JointRows, length};
+use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::mechanism_body::{MechanismBody, SavedBody};
-use crate::solver::mechanism::mechanism_drift::Drift;
+use crate::solver::mechanism::mechanism_drift::{drift, follow, take_loads};
 use crate::solver::mechanism::mechanism_matrix::{Coupling, RowColumns, arranged, couplings};
+use crate::solver::mechanism::mechanism_rows::{Chunk, Impulses};
 use crate::solver::mechanism::mechanism_substeps::MAX_ERROR;
 
 /// Bodies that hang together, their joints, and the matrix of these.
@@ -31,13 +31,15 @@ pub(crate) struct MechanismSolver {
     pub(super) is_stuck: bool,
     /// In the order of elimination.
     pub(crate) joints: Vec<JointRows>,
+    /// What is the same of four joints after the other.
+    pub(super) chunks: Vec<Chunk>,
     pub(super) matrix: BlockLdl,
     pub(super) couplings: Vec<Coupling>,
     /// Blocks of joints that share no body.
     pub(super) filled: Vec<usize>,
     /// By joint, what it has done since the step began: impulse \[N s\] on the second body, and
     /// angular impulse about its anchor [N m s].
-    pub(crate) done: Vec<[Vec3<f64>; 2]>,
+    pub(crate) done: Vec<[Four; 2]>,
     pub(super) columns: RowColumns,
     /// By row.
     pub(super) impulses: Vec<Four>,
@@ -47,11 +49,10 @@ pub(crate) struct MechanismSolver {
     /// By row, what the bodies' paths bend by in a substep as a speed: what solutions after the
     /// first of the last substep took out.
     pub(super) bend: Vec<Four>,
-    drift: Drift,
     /// By body, memory of a product with the matrix.
     velocities: Vec<[Vec3<f64>; 2]>,
     /// By body: sum of impulse times arm.
-    pulls: Vec<f64>,
+    pub(super) pulls: Vec<f64>,
     /// By row: how impulses change the speeds.
     pub(super) response: Vec<Four>,
     /// Whether rows are raised by more, as joints are not met.
@@ -112,7 +113,8 @@ impl MechanismSolver {
         let columns = RowColumns::new(&ordered);
         let (couplings, filled) = couplings(&ordered, moves, &matrix, &columns);
         let it = Self {
-            done: vec![[Vec3::zero(); 2]; ordered.len()],
+            done: vec![[[0.0; 4]; 2]; ordered.len()],
+            chunks: ordered.chunks(4).map(Chunk::of).collect(),
             columns,
             impulses: vec![[0.0; 4]; matrix.len()],
             right: vec![[0.0; 4]; matrix.len()],
@@ -136,7 +138,6 @@ impl MechanismSolver {
             has_free_rows: ordered.iter().any(|joint| !joint.free_rows.is_empty()),
             bodies: Vec::with_capacity(moves.len()),
             saved: Vec::with_capacity(moves.len()),
-            drift: Drift::with_capacity(moves.len()),
             velocities: vec![[Vec3::zero(); 2]; moves.len()],
             joints: ordered,
             matrix,
@@ -166,7 +167,7 @@ impl MechanismSolver {
     pub(super) fn free_bodies(&mut self) -> Option<&mut [MechanismBody]> {
         let count = self.bodies.len() - self.grounds;
         let bodies = &mut self.bodies[..count];
-        bodies.iter().all(|body| body.inverse_mass != 0.0).then_some(bodies)
+        bodies.iter().all(|body| body.is_moved()).then_some(bodies)
     }
 
     /// To be called once the bodies have been read, before the first substep.
@@ -189,7 +190,7 @@ impl MechanismSolver {
         self.update_rows();
         let others = self.joints.iter().filter(|joint| !joint.is_of_points());
         let size = others.map(JointRows::size).fold(0.0, f64::max);
-        self.joints.iter_mut().filter(|joint| joint.is_of_points()).for_each(|joint| joint.gyration = size);
+        self.joints.iter_mut().filter(|joint| joint.is_of_points()).for_each(|joint| joint.set_gyration(size));
     }
 
     /// Finds the impulses with which the joints are met at the end of the substep, and moves the
@@ -205,7 +206,6 @@ impl MechanismSolver {
         self.contradiction = 0.0;
         self.solve_half(half);
         self.misfit = self.contradiction * h;
-        self.drift.begin_at(&self.bodies);
         let (mut solution, mut most, mut worst) = (1, MAX_SOLUTIONS, f64::INFINITY);
         let mut first = f64::INFINITY;
         let last = loop {
@@ -213,7 +213,7 @@ impl MechanismSolver {
                 self.solve_right_side();
             }
             self.add_solution(1.0);
-            self.drift.run(&mut self.bodies, h);
+            drift(&mut self.bodies, &self.saved, h);
             if solution == most && !self.has_free_rows && worst <= MAX_ERROR {
                 break worst;
             }
@@ -230,7 +230,7 @@ impl MechanismSolver {
                 // The rows have turned away: what was added leads nowhere.
                 self.right.copy_from_slice(&self.last);
                 self.add_solution(-1.0);
-                self.drift.run(&mut self.bodies, h);
+                drift(&mut self.bodies, &self.saved, h);
                 break worst;
             }
             let tolerance = if solution == 1 { FIRST_TOLERANCE } else { TOLERANCE };
@@ -247,7 +247,7 @@ impl MechanismSolver {
             self.bend.fill([0.0; 4]);
         }
         self.note_springs();
-        self.drift.end(&mut self.bodies);
+        follow(&mut self.bodies);
         last
     }
 
@@ -296,36 +296,6 @@ impl MechanismSolver {
         }
     }
 
-    /// Makes the right side of what the rows' speeds are to become: zero, or what the law of a free
-    /// axis says, and beside it what takes the errors out at a rate [1/s].
-    fn set_right_side(&mut self, rate: f64) {
-        let Self { joints, bodies, matrix, right, bend, .. } = self;
-        let (right, bend) = (right.as_flattened_mut(), bend.as_flattened());
-        for (number, joint) in joints.iter().enumerate() {
-            let begin = matrix.place(number);
-            if joint.is_plain_ball() {
-                let bend = if rate == 0.0 { Vec3::zero() } else { triple(&bend[begin..]) };
-                let errors = (triple(&joint.errors) - triple(&joint.wanted)) * rate;
-                let Vec3 { x, y, z } = bend - (joint.velocity_apart(bodies) + errors);
-                right[begin..begin + 3].copy_from_slice(&[x, y, z]);
-                continue;
-            }
-            let speeds = joint.speeds(bodies);
-            let right = &mut right[begin..][..joint.count];
-            for row in 0..joint.count {
-                let correction = (joint.errors[row] - joint.wanted[row]) * rate;
-                right[row] = -(speeds[row] + correction);
-            }
-            if rate != 0.0 {
-                let bend = &bend[begin..];
-                right.iter_mut().zip(bend).take(joint.locked).for_each(|(right, bend)| *right += bend);
-            }
-            for (right, row) in right[joint.locked..].iter_mut().zip(&joint.free_rows) {
-                *right = if row.constant.is_some() { 0.0 } else { *right - row.bias };
-            }
-        }
-    }
-
     /// Sets how the impulses of the right side change the rows' speeds.
     pub(super) fn set_response(&mut self) {
         let Self { joints, bodies, matrix, right, velocities, response, .. } = self;
@@ -336,7 +306,7 @@ impl MechanismSolver {
             for end in 0..2 {
                 let [linear, turning] = &mut velocities[joint.bodies[end]];
                 *linear = *linear + impulse * SIGNS[end];
-                *turning = *turning + (joint.arms[end].cross(impulse) + angular) * SIGNS[end];
+                *turning = *turning + (joint.arm(end).cross(impulse) + angular) * SIGNS[end];
             }
             if let Some(gear) = &joint.gear {
                 gear.for_each_end(right[matrix.place(number)], |body, arm, impulse, angular| {
@@ -347,104 +317,20 @@ impl MechanismSolver {
             }
         }
         for (body, [linear, turning]) in bodies.iter().zip(&mut *velocities) {
-            (*linear, *turning) = (*linear * body.inverse_mass, body.times_inverse_inertia(*turning));
+            (*linear, *turning) = (*linear * body.inverse_mass(), body.times_inverse_inertia(*turning));
         }
         for (number, joint) in joints.iter().enumerate() {
             let speeds = joint.speeds_by(|body| velocities[body]);
+            let speeds = speeds.as_flattened();
             response[matrix.place(number)..][..joint.count].copy_from_slice(&speeds[..joint.count]);
-        }
-    }
-
-    /// Makes the right side of what is left of the errors; returns the largest, of the size of the
-    /// arms or \[rad\].
-    fn set_remaining(&mut self, h: f64) -> f64 {
-        let Self { joints, bodies, matrix, right, impulses, .. } = self;
-        let (right, impulses) = (right.as_flattened_mut(), impulses.as_flattened());
-        let rate = -1.0 / h;
-        let mut most = 0.0_f64;
-        for (number, joint) in joints.iter().enumerate() {
-            let size = joint.size();
-            let begin = matrix.place(number);
-            if joint.is_plain_ball() {
-                let left = joint.ball_left(bodies);
-                most = most.max(left.x.abs().max(left.y.abs()).max(left.z.abs()) / size);
-                right[begin..begin + 3].copy_from_slice(&[left.x * rate, left.y * rate, left.z * rate]);
-                continue;
-            }
-            let errors = joint.errors(bodies);
-            let linear = joint.linear_count();
-            let mut most_linear = 0.0_f64;
-            for (row, right) in right[begin..][..joint.locked].iter_mut().enumerate() {
-                let left = errors[row] - joint.wanted[row];
-                let is_linear = joint.gear.as_ref().map_or(row < linear, |gear| gear.is_linear());
-                let of_kind = if is_linear { &mut most_linear } else { &mut most };
-                *of_kind = of_kind.max(left.abs());
-                *right = left * rate;
-            }
-            most = most.max(most_linear / size);
-            if joint.free_rows.is_empty() {
-                continue;
-            }
-            let speeds = joint.speeds(bodies);
-            for (row, it) in (joint.locked..).zip(&joint.free_rows) {
-                right[begin + row] = if it.is_at_bound() {
-                    let left = errors[row] - joint.wanted[row];
-                    most = most.max(left.abs() / if it.axis.is_linear() { size } else { 1.0 });
-                    if it.axis == FreeAxis::Distance {
-                        most = most.max(joint.missed_distance(row, it, bodies) / size);
-                    }
-                    left * rate
-                } else if it.constant.is_some() {
-                    0.0
-                } else {
-                    -(speeds[row] + it.bias + it.gamma * impulses[begin + row])
-                };
-            }
-        }
-        most
-    }
-
-    /// Adds the impulses on the right side to the momenta.
-    pub(super) fn push(&mut self) {
-        let Self { joints, bodies, matrix, right, .. } = self;
-        let right = right.as_flattened();
-        for (number, joint) in joints.iter().enumerate() {
-            let [impulse, angular] = joint.impulse(&right[matrix.place(number)..][..joint.count]);
-            for end in 0..2 {
-                let sign = SIGNS[end];
-                bodies[joint.bodies[end]].push(impulse * sign, joint.arms[end], angular * sign);
-            }
-            if let Some(gear) = &joint.gear {
-                gear.for_each_end(right[matrix.place(number)], |body, arm, impulse, angular| {
-                    bodies[body].push(impulse, arm, angular);
-                });
-            }
-        }
-    }
-
-    /// Adds the impulses of a solution to what joints have done, and where they `pull`, sets what
-    /// that loads the bodies with.
-    pub(super) fn note_impulses(&mut self, pull: bool) {
-        let Self { joints, matrix, impulses, done, .. } = self;
-        let impulses = impulses.as_flattened_mut();
-        for (number, joint) in joints.iter().enumerate() {
-            for (impulse, row) in impulses[matrix.place(number) + joint.locked..].iter_mut().zip(&joint.free_rows) {
-                *impulse += row.pushed;
-            }
-            let [impulse, angular] = joint.impulse(&impulses[matrix.place(number)..][..joint.count]);
-            done[number][0] = done[number][0] + impulse;
-            done[number][1] = done[number][1] + angular + joint.from_anchor.cross(impulse);
-        }
-        if pull {
-            set_pulls(&mut self.pulls, &self.joints, &self.matrix, &self.impulses);
         }
     }
 
     /// Raises the inertia of bodies on which the impulses of the right side are a sudden load.
     /// Returns whether there are any.
     fn take_sudden_loads(&mut self, h: f64) -> bool {
-        let Self { bodies, joints, matrix, right, pulls, .. } = self;
-        set_pulls(pulls, joints, matrix, right);
+        self.set_pulls(Impulses::OnRightSide);
+        let Self { bodies, pulls, .. } = self;
         let mut is_any = false;
         for (body, pull) in bodies.iter_mut().zip(&*pulls) {
             is_any |= body.take_sudden_load(*pull, h);
@@ -454,35 +340,6 @@ impl MechanismSolver {
 
     /// Raises the inertia of bodies to the loads of the substep.
     pub(super) fn take_loads(&mut self, h: f64) {
-        for (body, pull) in self.bodies.iter_mut().zip(&self.pulls) {
-            body.take_load(*pull, h);
-        }
-    }
-
-    /// Sets the rows to where the bodies are.
-    pub(crate) fn update_rows(&mut self) {
-        let Self { joints, bodies, .. } = self;
-        joints.iter_mut().for_each(|joint| joint.update(bodies));
-        self.soften();
-    }
-}
-
-fn triple(numbers: &[f64]) -> Vec3<f64> {
-    match *numbers {
-        [x, y, z, ..] => Vec3::new(x, y, z),
-        _ => Vec3::zero(),
-    }
-}
-
-/// Sets by body the sum over its joints of impulse times arm.
-fn set_pulls(pulls: &mut [f64], joints: &[JointRows], matrix: &BlockLdl, impulses: &[Four]) {
-    pulls.fill(0.0);
-    let impulses = impulses.as_flattened();
-    for (number, joint) in joints.iter().enumerate() {
-        let [impulse, _] = joint.impulse(&impulses[matrix.place(number)..][..joint.count]);
-        let strength = length(impulse);
-        for end in 0..2 {
-            pulls[joint.bodies[end]] += strength * joint.arm_lengths[end];
-        }
+        take_loads(&mut self.bodies, &self.pulls, h);
     }
 }

@@ -75,7 +75,7 @@ impl MechanismSolver {
     /// moments have made or dropped, as a rotation of the whole, which no joint resists.
     fn return_dropped_momentum(&mut self) {
         self.bodies.iter_mut().for_each(MechanismBody::take_own_moments);
-        let dropped = self.bodies.iter().fold(Vec3::zero(), |sum: Vec3<f64>, body| sum + body.dropped);
+        let dropped = self.bodies.iter().fold(Vec3::zero(), |sum: Vec3<f64>, body| sum + body.dropped());
         if dropped.dot(dropped) == 0.0 {
             return;
         }

@@ -14,6 +14,7 @@ use crate::math::{Real, real, vec3};
 use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, is_rotation, within};
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact_work::ContactWorks;
+use crate::solver::mechanism::fours::{row, vector};
 use crate::solver::mechanism::free_axis::free_axis_bits;
 use crate::solver::mechanism::gear_rows::GearRows;
 use crate::solver::mechanism::joint_anchor::anchor;
@@ -311,7 +312,7 @@ impl Mechanisms {
     /// How many dynamic bodies belong to mechanisms that have been advanced already.
     pub(crate) fn advanced(&self) -> usize {
         let advanced = self.mechanisms.iter().filter(|mechanism| !mechanism.is_touched && mechanism.is_sound);
-        advanced.flat_map(|mechanism| &mechanism.solver.bodies).filter(|body| body.inverse_mass != 0.0).count()
+        advanced.flat_map(|mechanism| &mechanism.solver.bodies).filter(|body| body.is_moved()).count()
     }
 
     /// Whether any contact acts on a mechanism.
@@ -409,19 +410,19 @@ impl Mechanisms {
                 continue;
             }
             for (slot, body) in slots.iter().zip(&mut solver.bodies) {
-                loads[slot.index()] = body.load;
+                loads[slot.index()] = body.load();
                 if *is_touched {
                     body.write_own_momentum(bodies);
                 } else {
                     body.write(bodies);
-                    works.leave_to_joints(body.row, body.damping_work);
+                    works.leave_to_joints(body.row, body.damping_work());
                 }
             }
             locked.iter().for_each(|it| solver.bodies[it.body].hold(it.lock, bodies));
             for ((rows, done_here), number) in solver.joints.iter().zip(&mut solver.done).zip(&*joints) {
                 let Some(number) = active.get(*number as usize) else { continue };
                 let number = *number as usize;
-                let [impulse, angular] = std::mem::replace(done_here, [Vec3::zero(); 2]);
+                let [impulse, angular] = std::mem::take(done_here).map(|row| vector(&row));
                 done[number] = [done[number][0] + impulse, done[number][1] + angular];
                 if list.joints[number].has_load {
                     values_and_speeds[number] = rows.values_and_speeds(&solver.bodies);
@@ -467,8 +468,8 @@ impl Mechanism {
             solver.bodies.push(ground);
         }
         for rows in solver.joints.iter_mut().filter(|rows| rows.bodies[0] >= slots.len()) {
-            let orientation = solver.bodies[rows.bodies[1]].orientation.conjugate();
-            rows.anchors = [Anchor::CENTER, Anchor { orientation, ..Anchor::CENTER }];
+            let orientation = solver.bodies[rows.bodies[1]].orientation().conjugate();
+            rows.anchors = [Anchor::CENTER, Anchor { orientation: row(orientation), ..Anchor::CENTER }];
         }
     }
 }

@@ -1,7 +1,5 @@
 //! Mechanisms that contacts act on: solutions for their joints, between those of contacts.
 
-use tumble_math::lane::Vec3;
-
 use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::mechanism_solver::{Half, MechanismSolver};
 
@@ -40,7 +38,7 @@ impl MechanismSolver {
     /// Forgets what was not finite.
     pub(crate) fn forget_impulses(&mut self) {
         self.impulses.fill([0.0; 4]);
-        self.done.fill([Vec3::zero(); 2]);
+        self.done.fill([[0.0; 4]; 2]);
         self.joints.iter_mut().flat_map(|joint| &mut joint.free_rows).for_each(|row| row.pushed = 0.0);
     }
 

@@ -1,0 +1,305 @@
+//! Four joints side by side that lock all translations, and along whose free axes nothing acts.
+
+use tumble_math::lane::{Quat, Vec3};
+
+use crate::integrators::derived::symmetric_product;
+use crate::simd::{Four, FourLane};
+use crate::solver::mechanism::block_kernels::fours;
+use crate::solver::mechanism::block_ldl::BlockLdl;
+use crate::solver::mechanism::fours::{by_place, four_of, of_each, quaternions, rows_of, vectors};
+use crate::solver::mechanism::joint_rows::{JointRows, arms_and_gap, pushed_at};
+use crate::solver::mechanism::mechanism_body::MechanismBody;
+use crate::solver::mechanism::rotations::Rotations;
+
+/// Four joints, or fewer with the last of them several times.
+pub(super) struct PinnedJoints<'a, T> {
+    joints: [&'a JointRows; 4],
+    numbers: [usize; 4],
+    rotations: Rotations,
+    zero: T,
+}
+
+/// Impulses of four joints along their rows, side by side, as three along the axes of the world
+/// and those about locked rotations.
+type Along<T> = (Vec3<T>, [T; 3]);
+
+impl<'a, T: FourLane> PinnedJoints<'a, T> {
+    /// From a joint on, with these rotations locked.
+    #[inline(always)]
+    pub(super) fn of(joints: &'a [JointRows], first: usize, rotations: Rotations) -> Self {
+        let numbers = four_of(first, joints.len());
+        Self { joints: of_each!(numbers, number => &joints[number]), numbers, rotations, zero: T::splat(0.0) }
+    }
+
+    /// How many fours the rows of a joint take.
+    #[inline(always)]
+    fn width(&self) -> usize {
+        fours(3 + self.rotations.locked())
+    }
+
+    /// Whether a place has a joint that no place before it has.
+    #[inline(always)]
+    fn is_new(&self, k: usize) -> bool {
+        k == 0 || self.numbers[k] != self.numbers[k - 1]
+    }
+
+    #[inline(always)]
+    fn bodies<'b>(&self, bodies: &'b [MechanismBody], end: usize) -> [&'b MechanismBody; 4] {
+        of_each!(self.joints, joint => &bodies[joint.bodies[end]])
+    }
+
+    #[inline(always)]
+    fn arms(&self, end: usize) -> (Vec3<T>, T) {
+        vectors(of_each!(self.joints, joint => &joint.arms[end]))
+    }
+
+    /// About what the row of a locked rotation turns.
+    #[inline(always)]
+    fn axis(&self, rotation: usize) -> Vec3<T> {
+        vectors(of_each!(self.joints, joint => &joint.angular[3 + rotation])).0
+    }
+
+    /// By four of rows and by joint: how fast the errors grow by the velocities of the bodies.
+    #[inline(always)]
+    pub(super) fn speeds(&self, bodies: &[MechanismBody]) -> [[T; 4]; 2] {
+        let [(linear_a, angular_a), (linear_b, angular_b)] =
+            [velocities::<T>(self.bodies(bodies, 0)), velocities::<T>(self.bodies(bodies, 1))];
+        let (arm_a, arm_b) = (self.arms(0).0, self.arms(1).0);
+        let apart = (linear_b + angular_b.cross(arm_b)) - (linear_a + angular_a.cross(arm_a));
+        let turn = angular_b - angular_a;
+        let mut about = [self.zero; 3];
+        by_place!(rotation of 3 {
+            if rotation < self.rotations.locked() {
+                about[rotation] = self.axis(rotation).dot(turn);
+            }
+        });
+        self.rows(apart, about)
+    }
+
+    /// Sets the right sides of what these speeds are to become: what bends the paths, and what takes
+    /// the errors out at a rate [1/s].
+    #[inline(always)]
+    pub(super) fn set_right_side(
+        &self,
+        speeds: [[T; 4]; 2],
+        matrix: &BlockLdl,
+        right: &mut [Four],
+        (bend, rate): (&[Four], f64),
+    ) {
+        by_place!(k of 4 {
+            let (joint, begin) = (self.joints[k], matrix.start(self.numbers[k]));
+            let of_joint = |w: usize| (&bend[begin + w], &joint.errors[w], &joint.wanted[w]);
+            right_side(speeds[0][k], of_joint(0), rate).store(&mut right[begin]);
+            if self.width() > 1 {
+                right_side(speeds[1][k], of_joint(1), rate).store(&mut right[begin + 1]);
+            }
+        });
+    }
+
+    /// Sets the right sides of what is left of the errors.
+    #[inline(always)]
+    pub(super) fn set_remaining(&self, left: [[T; 4]; 2], matrix: &BlockLdl, right: &mut [Four], rate: f64) {
+        let rate = T::splat(rate);
+        by_place!(k of 4 {
+            let begin = matrix.start(self.numbers[k]);
+            (left[0][k] * rate).store(&mut right[begin]);
+            if self.width() > 1 {
+                (left[1][k] * rate).store(&mut right[begin + 1]);
+            }
+        });
+    }
+
+    /// By four of rows and by joint: what is left of the errors; and the largest of each joint, of
+    /// the size of its arms or \[rad\].
+    #[inline(always)]
+    pub(super) fn errors_left(&self, bodies: &[MechanismBody]) -> ([[T; 4]; 2], T) {
+        let (_, gap, [first, second]) = self.stand(bodies);
+        let about = self.rotations.errors(first.conjugate() * second);
+        let (wanted, first) = vectors::<T>(of_each!(self.joints, joint => &joint.wanted[0]));
+        let left = gap - wanted;
+        let (_, gyration) = vectors::<T>(of_each!(self.joints, joint => &joint.between));
+        let size = (self.arms(0).1 + self.arms(1).1).max(gyration);
+        let mut largest = left.x.abs().max(left.y.abs()).max(left.z.abs()) / size;
+        let mut about_left = [self.zero; 3];
+        if self.rotations.locked() > 0 {
+            let (Vec3 { x, y, .. }, _) = vectors::<T>(of_each!(self.joints, joint => &joint.wanted[1]));
+            let wanted = [first, x, y];
+            by_place!(rotation of 3 {
+                if rotation < self.rotations.locked() {
+                    about_left[rotation] = about[rotation] - wanted[rotation];
+                    largest = about_left[rotation].abs().max(largest);
+                }
+            });
+        }
+        (self.rows(left, about_left), largest)
+    }
+
+    /// Sets the rows of four joints, and their errors, to where the bodies are.
+    #[inline(always)]
+    pub(super) fn update(joints: &mut [JointRows], first: usize, rotations: Rotations, bodies: &[MechanismBody]) {
+        let four = PinnedJoints::<T>::of(joints, first, rotations);
+        let (numbers, zero) = (four.numbers, four.zero);
+        let (anchor_arms, gap, [first, second]) = four.stand(bodies);
+        let [a, b, from_anchor] = pushed_at(anchor_arms, gap, gap * T::splat(0.5));
+        let arms = [rows_of(a, a.dot(a).sqrt()), rows_of(b, b.dot(b).sqrt())];
+        let from_anchor = rows_of(from_anchor, zero);
+        let errors = four.rows(gap, rotations.errors(first.conjugate() * second));
+        let width = four.width();
+        let [x, y, z] = rotations.locked_axes(first.axes());
+        let axes = [rows_of(x, zero), rows_of(y, zero), rows_of(z, zero)];
+        by_place!(k of 4 {
+            let joint = &mut joints[numbers[k]];
+            arms[0][k].store(&mut joint.arms[0]);
+            arms[1][k].store(&mut joint.arms[1]);
+            from_anchor[k].store(&mut joint.from_anchor);
+            errors[0][k].store(&mut joint.errors[0]);
+            if width > 1 {
+                errors[1][k].store(&mut joint.errors[1]);
+            }
+            by_place!(rotation of 3 {
+                if rotation < rotations.locked() {
+                    axes[rotation][k].store(&mut joint.angular[3 + rotation]);
+                }
+            });
+        });
+    }
+
+    /// Of each joint, along its rows, out of those of all rows.
+    #[inline(always)]
+    pub(super) fn impulses(&self, matrix: &BlockLdl, impulses: &[Four]) -> Along<T> {
+        let begins = of_each!(self.numbers, number => matrix.start(number));
+        let (linear, first) = vectors::<T>(of_each!(begins, begin => &impulses[begin]));
+        if self.rotations.locked() == 0 {
+            return (linear, [self.zero; 3]);
+        }
+        let (Vec3 { x, y, .. }, _) = vectors::<T>(of_each!(begins, begin => &impulses[begin + 1]));
+        (linear, [first, x, y])
+    }
+
+    /// The angular impulses on the second bodies.
+    #[inline(always)]
+    fn angular(&self, about: [T; 3]) -> Vec3<T> {
+        let mut sum = Vec3::splat(self.zero);
+        by_place!(rotation of 3 {
+            if rotation < self.rotations.locked() {
+                let of_row = self.axis(rotation) * about[rotation];
+                sum = if rotation == 0 { of_row } else { sum + of_row };
+            }
+        });
+        sum
+    }
+
+    /// Pushes the bodies by these impulses.
+    #[inline(always)]
+    pub(super) fn push(&self, bodies: &mut [MechanismBody], (linear, about): Along<T>) {
+        let torques = [self.arms(0).0.cross(linear), self.arms(1).0.cross(linear)];
+        let torques = [rows_of(torques[0], self.zero), rows_of(torques[1], self.zero)];
+        let linear = rows_of(linear, self.zero);
+        let angular = rows_of(self.angular(about), self.zero);
+        by_place!(k of 4 {
+            if self.is_new(k) {
+                let [a, b] = self.joints[k].bodies;
+                let first = &mut bodies[a];
+                if first.is_moved() {
+                    (T::load(&first.linear) - linear[k]).store(&mut first.linear);
+                    let turned = T::load(&first.angular) - torques[0][k];
+                    let turned = if self.rotations.locked() > 0 { turned - angular[k] } else { turned };
+                    turned.store(&mut first.angular);
+                }
+                let second = &mut bodies[b];
+                if second.is_moved() {
+                    (T::load(&second.linear) + linear[k]).store(&mut second.linear);
+                    let turned = T::load(&second.angular) + torques[1][k];
+                    let turned = if self.rotations.locked() > 0 { turned + angular[k] } else { turned };
+                    turned.store(&mut second.angular);
+                }
+            }
+        });
+    }
+
+    /// Adds these impulses, and the angular ones about the anchors, to what joints have done.
+    #[inline(always)]
+    pub(super) fn note(&self, (linear, about): Along<T>, done: &mut [[Four; 2]]) {
+        let (from_anchor, _) = vectors::<T>(of_each!(self.joints, joint => &joint.from_anchor));
+        let moments = rows_of(from_anchor.cross(linear), self.zero);
+        let linear = rows_of(linear, self.zero);
+        let angular = rows_of(self.angular(about), self.zero);
+        by_place!(k of 4 {
+            if self.is_new(k) {
+                let [of_joint, turning] = &mut done[self.numbers[k]];
+                (T::load(of_joint) + linear[k]).store(of_joint);
+                let sum = T::load(turning);
+                let sum = if self.rotations.locked() > 0 { sum + angular[k] } else { sum };
+                (sum + moments[k]).store(turning);
+            }
+        });
+    }
+
+    /// Adds these impulses times the arms to the pulls at the bodies.
+    #[inline(always)]
+    pub(super) fn pull(&self, (linear, _): Along<T>, pulls: &mut [f64]) {
+        let strength = linear.dot(linear).sqrt();
+        let mut by_arms = [[0.0; 4]; 2];
+        (strength * self.arms(0).1).store(&mut by_arms[0]);
+        (strength * self.arms(1).1).store(&mut by_arms[1]);
+        by_place!(k of 4 {
+            if self.is_new(k) {
+                let [a, b] = self.joints[k].bodies;
+                pulls[a] += by_arms[0][k];
+                pulls[b] += by_arms[1][k];
+            }
+        });
+    }
+
+    /// From each centre of mass to its anchor, from the first anchor to the second, and how the
+    /// frames are turned.
+    #[inline(always)]
+    fn stand(&self, bodies: &[MechanismBody]) -> ([Vec3<T>; 2], Vec3<T>, [Quat<T>; 2]) {
+        let [(at_a, turned_a, anchor_a, frame_a), (at_b, turned_b, anchor_b, frame_b)] =
+            [self.end(bodies, 0), self.end(bodies, 1)];
+        let (between, _) = vectors::<T>(of_each!(self.joints, joint => &joint.between));
+        let (arms, gap) = arms_and_gap([turned_a, turned_b], [anchor_a, anchor_b], (between, [at_a, at_b]));
+        (arms, gap, [turned_a * frame_a, turned_b * frame_b])
+    }
+
+    /// Translation and orientation of the bodies at an end, and of the frames on them.
+    #[inline(always)]
+    fn end(&self, bodies: &[MechanismBody], end: usize) -> (Vec3<T>, Quat<T>, Vec3<T>, Quat<T>) {
+        let (translation, _) = vectors::<T>(of_each!(self.joints, joint => &bodies[joint.bodies[end]].translation));
+        let orientation = quaternions::<T>(of_each!(self.joints, joint => &bodies[joint.bodies[end]].orientation));
+        let (anchor, _) = vectors::<T>(of_each!(self.joints, joint => &joint.anchors[end].position));
+        let frame = quaternions::<T>(of_each!(self.joints, joint => &joint.anchors[end].orientation));
+        (translation, orientation, anchor, frame)
+    }
+
+    /// By four of rows and by joint, what vectors and numbers about locked rotations are by row.
+    #[inline(always)]
+    fn rows(&self, linear: Vec3<T>, [first, second, third]: [T; 3]) -> [[T; 4]; 2] {
+        let rows = rows_of(linear, first);
+        [rows, if self.rotations.locked() > 1 { T::transpose([second, third, self.zero, self.zero]) } else { rows }]
+    }
+}
+
+/// What speeds are to change by, with the bend, the errors, and what is left of these, of the same
+/// rows.
+#[inline(always)]
+fn right_side<T: FourLane>(speed: T, (bend, error, wanted): (&Four, &Four, &Four), rate: f64) -> T {
+    if rate == 0.0 {
+        return T::splat(0.0) - speed;
+    }
+    T::load(bend) - (speed + (T::load(error) - T::load(wanted)) * T::splat(rate))
+}
+
+/// Linear and angular velocities of bodies.
+#[inline(always)]
+fn velocities<T: FourLane>(bodies: [&MechanismBody; 4]) -> (Vec3<T>, Vec3<T>) {
+    let (linear, inverse_mass) = vectors::<T>(of_each!(bodies, body => &body.linear));
+    let (angular, _) = vectors::<T>(of_each!(bodies, body => &body.angular));
+    let (diagonal, _) = vectors::<T>(of_each!(bodies, body => &body.inverse_inertia[0]));
+    let (off_diagonal, _) = vectors::<T>(of_each!(bodies, body => &body.inverse_inertia[1]));
+    let moves = T::splat(0.0).lt(inverse_mass);
+    (
+        Vec3::select(moves, linear * inverse_mass, linear),
+        Vec3::select(moves, symmetric_product(diagonal, off_diagonal, angular), angular),
+    )
+}
