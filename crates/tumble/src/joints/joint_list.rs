@@ -4,7 +4,6 @@ use std::cmp::Ordering;
 
 use hecs::{Archetype, Entity, World};
 
-use crate::components::Pose;
 use crate::event_log::EventLog;
 use crate::joints::breakable::Breakable;
 use crate::joints::gear::Gear;
@@ -126,12 +125,13 @@ impl JointList {
                     idle_loads.extend(has_load.then_some(place));
                     continue;
                 }
-                let is_here = joint.bodies.iter().all(|body| world.satisfies::<&Pose>(*body));
-                if !is_here {
+                // The index knows bodies by the number of their entity, which another may have now.
+                let slot = |body: Entity| world.contains(body).then(|| body_index.slot(body.id())).flatten();
+                let ends = joint.bodies.map(slot);
+                if ends.contains(&None) {
                     endless.push(entity);
                 }
-                let [a, b] = joint.bodies.map(|body| body_index.slot(body.id()));
-                if let (Some(a), Some(b), true) = (a, b, is_here)
+                if let [Some(a), Some(b)] = ends
                     && a != b
                 {
                     let joint = *joint;

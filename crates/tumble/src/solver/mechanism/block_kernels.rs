@@ -1,6 +1,7 @@
 //! Arithmetic on the blocks of a matrix, in rows of whole fours.
 
 use crate::simd::{Four, FourLane};
+use crate::solver::mechanism::fours::{by_place, of_each};
 
 /// The most rows of a node: of a joint with six free axes, a twist, a distance and a cone.
 pub(crate) const MAX_ROWS: usize = 9;
@@ -57,19 +58,22 @@ pub(super) fn product<T: FourLane>(a: &[Four], b: &[Four], c: &mut [Four], [n, m
     }
 }
 
-/// `c = (a b)^T`, with a symmetric `a` of `n x n` and `b` of `n x m` numbers: the same bits as of
-/// [`product`].
+/// `c = b^T`, with `b` of `n x m` numbers.
 #[inline(always)]
-pub(super) fn transposed_product<T: FourLane>(a: &[Four], b: &[Four], c: &mut [Four], [n, m]: [usize; 2]) {
+pub(super) fn transpose<T: FourLane>(b: &[Four], c: &mut [Four], [n, m]: [usize; 2]) {
     let (w, v) = (fours(n), fours(m));
-    let (a, b, c) = (&a[..n * w], &b[..n * v], &mut c[..m * w]);
-    for i in 0..m {
-        for j in 0..w {
-            let mut sum = T::splat(b[i / 4][i % 4]) * T::load(&a[j]);
-            for k in 1..n {
-                sum = sum + T::splat(b[k * v + i / 4][i % 4]) * T::load(&a[k * w + j]);
-            }
-            sum.store(&mut c[i * w + j]);
+    let (b, c) = (&b[..n * v], &mut c[..m * w]);
+    for i in 0..w {
+        for j in 0..v {
+            let rows = of_each!([4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3], row => {
+                if row < n { T::load(&b[row * v + j]) } else { T::splat(0.0) }
+            });
+            let columns = T::transpose(rows);
+            by_place!(k of 4 {
+                if 4 * j + k < m {
+                    columns[k].store(&mut c[(4 * j + k) * w + i]);
+                }
+            });
         }
     }
 }

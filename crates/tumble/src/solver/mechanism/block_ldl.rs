@@ -3,7 +3,7 @@
 use crate::simd::{Four, FourKernel, FourLane, dispatch_fours};
 use crate::solver::mechanism::block_kernels::{
     MAX_ROWS, backward, fours, invert_sized, multiply, product, sized, subtract_columns, subtract_transposed,
-    subtract_transposed_square, transposed_product, unrolled,
+    subtract_transposed_square, transpose, unrolled,
 };
 use crate::solver::mechanism::elimination::Elimination;
 
@@ -154,6 +154,18 @@ impl BlockLdl {
         self.softness[node] = softness.max(REGULARIZATION_OF_DEPENDENT);
     }
 
+    /// By how much of itself each number on the diagonal of a node is raised.
+    #[inline(always)]
+    pub(super) fn softness(&self, node: usize) -> f64 {
+        self.softness[node]
+    }
+
+    /// By how much each row of a node was raised.
+    #[inline(always)]
+    pub(super) fn raised_mut(&mut self, node: usize) -> &mut [Four] {
+        &mut self.raised[self.starts[node]..self.starts[node + 1]]
+    }
+
     /// How many fours a vector has.
     pub(crate) fn len(&self) -> usize {
         last(&self.starts)
@@ -217,7 +229,7 @@ impl BlockLdl {
                 let weight = &mut weights[of_row.clone()];
                 let weight_transposed = &mut transposed[layout.transposed(block)..][..m * w];
                 sized!(product(pivot, &blocks[of_row.clone()], weight; [n, m]));
-                sized!(transposed_product(pivot, &blocks[of_row.clone()], weight_transposed; [n, m]));
+                sized!(transpose(weight, weight_transposed; [n, m]));
                 for before in range.start..block {
                     let Some(&target) = targets.next() else { return };
                     let k = layout.size(elimination.columns[before] as usize);

@@ -48,7 +48,7 @@ pub(crate) struct MechanismBody {
 }
 
 /// What a substep changes of a body.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SavedBody {
     linear: Four,
     angular: Four,
@@ -433,6 +433,11 @@ impl MechanismBody {
 
     /// Adds what forces do in half a substep that was halved this many times.
     pub(crate) fn kick(&mut self, halvings: u32) {
+        if halvings == 0 && self.kept == [1.0; 2] {
+            self.linear = sum(self.linear, self.kick[0]);
+            self.angular = sum(self.angular, self.kick[1]);
+            return;
+        }
         let ([linear, angular], [kept_linear, kept_angular]) = self.kick_of(halvings);
         if kept_linear != 1.0 || kept_angular != 1.0 {
             let (p, l) = (self.linear(), self.angular());
@@ -458,6 +463,10 @@ impl MechanismBody {
         let most = 0.1 * f64::from(Real::MAX);
         vectors.iter().all(|v| v.dot(*v).sqrt() < most) && (x + y + z + w).is_finite()
     }
+}
+
+fn sum([a, b, c, d]: Four, [e, f, g, h]: Four) -> Four {
+    [a + e, b + f, c + g, d + h]
 }
 
 fn single(v: Vec3<f64>) -> Vec3<Real> {

@@ -11,23 +11,26 @@ use crate::solver::mechanism::fours::vector;
 use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_solver::{MechanismSolver, SIGNS};
+use crate::solver::mechanism::rotations::Rotations;
 
 /// A body that two joints share, and where the numbers are of what it does.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Coupling {
     /// Row and column of the block.
-    joints: [u32; 2],
-    body: u32,
+    pub(super) joints: [u32; 2],
+    /// At which end of each the body is.
+    pub(super) ends: [u8; 2],
+    pub(super) body: u32,
     /// In the matrix.
-    block: u32,
+    pub(super) block: u32,
     /// In the columns of rows: directions and angular impulses of the first joint, directions and
     /// angular velocities of the second.
     of_row: [u32; 2],
     of_column: [u32; 2],
     /// Negative where one pushes the body and the other pulls.
-    sign: f64,
+    pub(super) sign: f64,
     /// Whether there is something in the block already.
-    adds: bool,
+    pub(super) adds: bool,
 }
 
 /// What one newton second along a row turns a body by: angular impulse, and angular velocity.
@@ -115,6 +118,7 @@ pub(crate) fn couplings(
                     let [of_column, _, response] = columns.places(column, b, fours(second.count));
                     couplings.push(Coupling {
                         joints: [row as u32, column as u32],
+                        ends: [a as u8, b as u8],
                         body: body as u32,
                         block: matrix.block_start(block) as u32,
                         of_row: [of_row, torque],
@@ -140,6 +144,12 @@ impl MechanismSolver {
 
     #[inline(always)]
     fn assemble<T: FourLane>(&mut self) {
+        match self.alike {
+            Some(Rotations::Free) => return self.assemble_alike::<T, 3>(Rotations::Free),
+            Some(Rotations::About(0)) => return self.assemble_alike::<T, 5>(Rotations::About(0)),
+            Some(Rotations::Locked) => return self.assemble_alike::<T, 6>(Rotations::Locked),
+            _ => {}
+        }
         self.assemble_diagonal::<T>();
         let Self { joints, bodies, matrix, couplings, filled, columns, .. } = self;
         filled.iter().for_each(|block| matrix.clear(*block));

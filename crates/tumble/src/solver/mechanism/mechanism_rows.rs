@@ -7,7 +7,7 @@ use crate::solver::mechanism::free_axis::FreeAxis;
 use crate::solver::mechanism::joint_rows::{JointRows, length};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_solver::{MechanismSolver, SIGNS};
-use crate::solver::mechanism::pinned_joints::PinnedJoints;
+use crate::solver::mechanism::pinned_joints::{PinnedJoints, plan_pinned};
 use crate::solver::mechanism::rotations::Rotations;
 
 /// What four joints are that stand one after the other, in the order of elimination.
@@ -20,9 +20,16 @@ pub(super) enum Chunk {
 
 impl Chunk {
     pub(super) fn of(joints: &[JointRows]) -> Self {
-        let is_alike = |joint: &JointRows| joint.is_rigid_pin() && joint.rotations == joints[0].rotations;
-        if joints.iter().all(is_alike) { Self::Pinned(joints[0].rotations) } else { Self::Mixed }
+        alike(joints).map_or(Self::Mixed, Self::Pinned)
     }
+}
+
+/// The rotations that joints lock if they lock the same, and all translations, and nothing acts
+/// along a free axis.
+pub(super) fn alike(joints: &[JointRows]) -> Option<Rotations> {
+    let rotations = joints.first()?.rotations;
+    let is_alike = |joint: &JointRows| joint.is_rigid_pin() && joint.rotations == rotations;
+    joints.iter().all(is_alike).then_some(rotations)
 }
 
 /// Impulses of all rows.
@@ -76,6 +83,22 @@ impl MechanismSolver {
                     set_right_side_of(joint, bodies, &mut right.as_flattened_mut()[begin..], &bend.as_flattened()[begin..], rate);
                 }
             );
+        }
+    }
+
+    /// Sets what is left of the errors after a substep of `h` \[s\].
+    pub(super) fn plan_corrections(&mut self, h: f64) {
+        dispatch_fours(PlanCorrections { solver: self, h });
+    }
+
+    #[inline(always)]
+    fn plan_all_corrections<T: FourLane>(&mut self, h: f64) {
+        let Self { joints, chunks, .. } = self;
+        for (joints, chunk) in joints.chunks_mut(4).zip(&*chunks) {
+            match chunk {
+                Chunk::Pinned(rotations) => joints.iter_mut().for_each(|joint| plan_pinned::<T>(joint, *rotations, h)),
+                Chunk::Mixed => joints.iter_mut().for_each(|joint| joint.plan_correction(h)),
+            }
         }
     }
 
@@ -316,6 +339,7 @@ macro_rules! kernel {
 
 kernel!(RightSide { rate: f64 } => |solver| solver.set_right_sides::<T>(rate));
 kernel!(Remaining { h: f64, most: &'a mut f64 } => |solver| *most = solver.set_all_remaining::<T>(h));
+kernel!(PlanCorrections { h: f64 } => |solver| solver.plan_all_corrections::<T>(h));
 kernel!(Push {} => |solver| solver.push_all::<T>());
 kernel!(NoteImpulses {} => |solver| solver.note_all_impulses::<T>());
 kernel!(SetPulls { impulses: Impulses } => |solver| solver.set_all_pulls::<T>(impulses));

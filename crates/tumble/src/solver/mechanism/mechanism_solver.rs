@@ -13,8 +13,9 @@ use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::mechanism_body::{MechanismBody, SavedBody};
 use crate::solver::mechanism::mechanism_drift::{drift, follow, take_loads};
 use crate::solver::mechanism::mechanism_matrix::{Coupling, RowColumns, arranged, couplings};
-use crate::solver::mechanism::mechanism_rows::{Chunk, Impulses};
+use crate::solver::mechanism::mechanism_rows::{Chunk, Impulses, alike};
 use crate::solver::mechanism::mechanism_substeps::MAX_ERROR;
+use crate::solver::mechanism::rotations::Rotations;
 
 /// Bodies that hang together, their joints, and the matrix of these.
 #[derive(Clone, Debug)]
@@ -31,6 +32,8 @@ pub(crate) struct MechanismSolver {
     pub(super) is_stuck: bool,
     /// In the order of elimination.
     pub(crate) joints: Vec<JointRows>,
+    /// Of mechanisms whose joints are all pinned and lock the same rotations, these.
+    pub(super) alike: Option<Rotations>,
     /// What is the same of four joints after the other.
     pub(super) chunks: Vec<Chunk>,
     pub(super) matrix: BlockLdl,
@@ -114,6 +117,7 @@ impl MechanismSolver {
         let (couplings, filled) = couplings(&ordered, moves, &matrix, &columns);
         let it = Self {
             done: vec![[[0.0; 4]; 2]; ordered.len()],
+            alike: alike(&ordered),
             chunks: ordered.chunks(4).map(Chunk::of).collect(),
             columns,
             impulses: vec![[0.0; 4]; matrix.len()],
@@ -202,7 +206,7 @@ impl MechanismSolver {
             self.begin_half(half);
             self.factor();
         }
-        self.joints.iter_mut().for_each(|joint| joint.plan_correction(h));
+        self.plan_corrections(h);
         self.contradiction = 0.0;
         self.solve_half(half);
         self.misfit = self.contradiction * h;

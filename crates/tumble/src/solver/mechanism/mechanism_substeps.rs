@@ -3,7 +3,7 @@
 use tumble_math::lane::Vec3;
 
 use crate::solver::mechanism::free_row::Phase;
-use crate::solver::mechanism::mechanism_body::MechanismBody;
+use crate::solver::mechanism::mechanism_body::{MechanismBody, SavedBody};
 use crate::solver::mechanism::mechanism_misfit::{MIN_MISFIT, turned_by};
 use crate::solver::mechanism::mechanism_solver::{Half, MechanismSolver};
 
@@ -39,8 +39,8 @@ impl MechanismSolver {
     /// that was left, the last time for this one.
     fn advance_once(&mut self, h: f64, halvings: u32, before: f64) {
         let half = |phase| Half { phase, h, before: 0.5 };
-        self.saved.clear();
-        self.saved.extend(self.bodies.iter().map(MechanismBody::saved));
+        self.saved.resize(self.bodies.len(), SavedBody::default());
+        self.saved.iter_mut().zip(&self.bodies).for_each(|(saved, body)| *saved = body.saved());
         self.bodies.iter_mut().for_each(|body| body.kick(halvings));
         let is_counted = self.matrix.may_depend() || self.has_distances || halvings > 0;
         let energy = if is_counted { self.kinetic_energy() } else { 0.0 };

@@ -27,6 +27,7 @@ pub(crate) mod mechanism_solver;
 mod mechanism_substeps;
 pub(crate) mod mechanisms;
 mod pinned_joints;
+mod pinned_matrix;
 mod rotations;
 pub(crate) mod row_spring;
 mod touched_mechanism;

@@ -7,7 +7,7 @@ use crate::simd::{Four, FourLane};
 use crate::solver::mechanism::block_kernels::fours;
 use crate::solver::mechanism::block_ldl::BlockLdl;
 use crate::solver::mechanism::fours::{by_place, four_of, of_each, quaternions, rows_of, vectors};
-use crate::solver::mechanism::joint_rows::{JointRows, arms_and_gap, pushed_at};
+use crate::solver::mechanism::joint_rows::{JointRows, arms_and_gap, correction_speed, pushed_at};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::rotations::Rotations;
 
@@ -31,6 +31,17 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
         Self { joints: of_each!(numbers, number => &joints[number]), numbers, rotations, zero: T::splat(0.0) }
     }
 
+    #[inline(always)]
+    pub(super) fn joints(&self) -> [&'a JointRows; 4] {
+        self.joints
+    }
+
+    /// Of the joints among all.
+    #[inline(always)]
+    pub(super) fn numbers(&self) -> [usize; 4] {
+        self.numbers
+    }
+
     /// How many fours the rows of a joint take.
     #[inline(always)]
     fn width(&self) -> usize {
@@ -44,7 +55,7 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
     }
 
     #[inline(always)]
-    fn bodies<'b>(&self, bodies: &'b [MechanismBody], end: usize) -> [&'b MechanismBody; 4] {
+    pub(super) fn bodies<'b>(&self, bodies: &'b [MechanismBody], end: usize) -> [&'b MechanismBody; 4] {
         of_each!(self.joints, joint => &bodies[joint.bodies[end]])
     }
 
@@ -277,6 +288,17 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
     fn rows(&self, linear: Vec3<T>, [first, second, third]: [T; 3]) -> [[T; 4]; 2] {
         let rows = rows_of(linear, first);
         [rows, if self.rotations.locked() > 1 { T::transpose([second, third, self.zero, self.zero]) } else { rows }]
+    }
+}
+
+/// Sets what is left of the errors of a joint after a substep of `h` \[s\].
+#[inline(always)]
+pub(super) fn plan_pinned<T: FourLane>(joint: &mut JointRows, rotations: Rotations, h: f64) {
+    let [linear, angular] = [true, false].map(|is_linear| h * correction_speed(is_linear));
+    let limits = [[linear, linear, linear, angular], [angular; 4]];
+    for (w, limit) in limits.iter().enumerate().take(fours(3 + rotations.locked())) {
+        let (error, most) = (T::load(&joint.errors[w]), T::load(limit));
+        (error - error.max(-most).min(most)).store(&mut joint.wanted[w]);
     }
 }
 

@@ -10,7 +10,7 @@ impl MechanismSolver {
         let half = Half { phase: Phase::Positions, h, before: 1.0 };
         self.begin_half(half);
         self.factor();
-        self.joints.iter_mut().for_each(|joint| joint.plan_correction(h));
+        self.plan_corrections(h);
         self.solve_half(half);
         self.impulses.copy_from_slice(&self.right);
         self.push();
