@@ -162,6 +162,32 @@ fn fours_do_what_one_number_does() {
     }
 }
 
+struct Transposed<'a> {
+    rows: &'a mut [Four; 4],
+}
+
+impl FourKernel for Transposed<'_> {
+    #[inline(always)]
+    fn run<T: FourLane>(self) {
+        let [a, b, c, d] = self.rows;
+        let columns = T::transpose([T::load(a), T::load(b), T::load(c), T::load(d)]);
+        columns[0].store(a);
+        columns[1].store(b);
+        columns[2].store(c);
+        columns[3].store(d);
+    }
+}
+
+#[test]
+fn fours_are_transposed() {
+    for level in available() {
+        let mut rows = [0, 1, 2, 3].map(|row| [0, 1, 2, 3].map(|column| f64::from(4 * row + column)));
+        level.run_fours(Transposed { rows: &mut rows });
+        let expected = [0, 1, 2, 3].map(|row| [0, 1, 2, 3].map(|column| f64::from(row + 4 * column)));
+        assert_eq!(rows, expected, "{level:?}");
+    }
+}
+
 /// Marks where a comparison holds for some lanes of a tile, and where for all.
 struct Masks {
     numbers: Vec<Real>,

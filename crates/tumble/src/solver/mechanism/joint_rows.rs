@@ -61,8 +61,6 @@ pub(crate) struct JointRows {
     /// Whether all translations are locked: then these are its first rows, along the axes of the
     /// world, and no other has a linear part.
     is_pinned: bool,
-    /// Whether that is all of it.
-    is_plain_ball: bool,
     pub(crate) count: usize,
     /// How many are of locked axes, and how many of these of translations.
     pub(crate) locked: usize,
@@ -100,7 +98,6 @@ impl JointRows {
         let free_rows: Vec<_> = options.into_iter().flat_map(|it| free_axes(it, free)).map(FreeRow::new).collect();
         let mut linear = [zero; MAX_ROWS];
         let is_pinned = !(free.has(0) || free.has(1) || free.has(2) || has_distance(&free_rows));
-        let is_plain_ball = free == Axes::ANGULAR && free_rows.is_empty();
         if is_pinned {
             (0..3).for_each(|axis| linear[axis] = linear_axis(free, axis, &[zero; 3]));
         }
@@ -109,7 +106,6 @@ impl JointRows {
             anchors,
             free,
             is_pinned,
-            is_plain_ball,
             linear,
             angular: [[0.0; 4]; MAX_ROWS],
             between: [0.0; 4],
@@ -162,12 +158,6 @@ impl JointRows {
         self.is_pinned && self.free_rows.is_empty()
     }
 
-    /// Whether its rows are along the axes of the world.
-    #[inline(always)]
-    pub(crate) fn is_plain_ball(&self) -> bool {
-        self.is_plain_ball
-    }
-
     /// Whether all its translations are locked.
     #[inline(always)]
     pub(crate) fn is_pinned(&self) -> bool {
@@ -195,7 +185,7 @@ impl JointRows {
         if self.is_rigid_pin() {
             let (anchor_arms, gap) = self.arms_and_gap(bodies);
             self.set_arms(anchor_arms, gap, gap * 0.5);
-            if !self.is_plain_ball {
+            if self.locked > 3 {
                 let [first, second] = self.orientations(bodies);
                 self.set_rotations([first, second], 3);
             }
@@ -279,7 +269,7 @@ impl JointRows {
     fn pinned_errors(&self, bodies: &[MechanismBody], gap: Vec3<f64>) -> OfRows {
         let mut errors = OfRows::default();
         errors[0] = row_of(gap, 0.0);
-        if !self.is_plain_ball {
+        if self.locked > 3 {
             let [first, second] = self.orientations(bodies);
             let rotations = self.rotations.errors(first.conjugate() * second);
             let of_rotations = &mut errors.as_flattened_mut()[3..self.locked];
@@ -419,10 +409,6 @@ impl JointRows {
             return speeds;
         }
         let [apart, turn] = self.relative_velocity(velocities);
-        if self.is_plain_ball() {
-            speeds[0] = row_of(apart, 0.0);
-            return speeds;
-        }
         let mut first = 0;
         if self.is_pinned {
             speeds[0] = row_of(apart, 0.0);
@@ -444,13 +430,6 @@ impl JointRows {
     /// The impulse and the angular impulse on the second body of impulses along the rows.
     #[inline(always)]
     pub(crate) fn impulse(&self, along: &[f64]) -> [Vec3<f64>; 2] {
-        if let (true, &[x, y, z]) = (self.is_plain_ball(), along) {
-            return [Vec3::new(x, y, z), Vec3::zero()];
-        }
-        self.impulse_of_rows(along)
-    }
-
-    fn impulse_of_rows(&self, along: &[f64]) -> [Vec3<f64>; 2] {
         let mut sum = [Vec3::zero(); 2];
         if let (true, &[x, y, z, ..]) = (self.is_pinned, along) {
             sum[0] = Vec3::new(x, y, z);

@@ -35,7 +35,7 @@ pub(crate) struct MechanismBody {
     /// Its own principal moments [kg m^2].
     pub(super) own_moments: Four,
     /// What forces do in half a substep [N s] [N m s], and what damping leaves.
-    kick: [Four; 2],
+    pub(super) kick: [Four; 2],
     kept: [f64; 2],
     pub(crate) row: SolverRow,
     /// Centre of mass when the step began \[m\].
@@ -50,12 +50,12 @@ pub(crate) struct MechanismBody {
 /// What a substep changes of a body.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct SavedBody {
-    linear: Four,
-    angular: Four,
+    pub(super) linear: Four,
+    pub(super) angular: Four,
     pub(super) translation: Four,
     pub(super) orientation: Four,
-    load: f64,
-    dropped: Four,
+    pub(super) load: f64,
+    pub(super) dropped: Four,
 }
 
 /// A body turns under its load by at most the square root of this [rad] a substep: what is
@@ -415,12 +415,6 @@ impl MechanismBody {
         }
     }
 
-    /// What a substep changes of it.
-    pub(crate) fn saved(&self) -> SavedBody {
-        let Self { translation, orientation, linear, angular, dropped, .. } = *self;
-        SavedBody { load: self.load(), translation, orientation, linear, angular, dropped }
-    }
-
     /// Goes back to what it was.
     pub(crate) fn restore(&mut self, saved: &SavedBody) {
         let SavedBody { load, translation, orientation, linear, angular, dropped } = *saved;
@@ -431,13 +425,14 @@ impl MechanismBody {
         (self.angular, self.dropped) = (angular, dropped);
     }
 
+    /// Whether damping takes anything of its momenta.
+    #[inline(always)]
+    pub(super) fn is_damped(&self) -> bool {
+        self.kept != [1.0; 2]
+    }
+
     /// Adds what forces do in half a substep that was halved this many times.
     pub(crate) fn kick(&mut self, halvings: u32) {
-        if halvings == 0 && self.kept == [1.0; 2] {
-            self.linear = sum(self.linear, self.kick[0]);
-            self.angular = sum(self.angular, self.kick[1]);
-            return;
-        }
         let ([linear, angular], [kept_linear, kept_angular]) = self.kick_of(halvings);
         if kept_linear != 1.0 || kept_angular != 1.0 {
             let (p, l) = (self.linear(), self.angular());
@@ -465,8 +460,29 @@ impl MechanismBody {
     }
 }
 
-fn sum([a, b, c, d]: Four, [e, f, g, h]: Four) -> Four {
-    [a + e, b + f, c + g, d + h]
+#[cfg(test)]
+impl MechanismBody {
+    /// A body at rest at a place, of a mass and moments; without a mass it is fixed.
+    pub(super) fn at(center: Vec3<f64>, inverse_mass: f64, moments: Vec3<f64>) -> Self {
+        let mut it = Self {
+            linear: [0.0, 0.0, 0.0, inverse_mass],
+            angular: [0.0, 0.0, 0.0, if inverse_mass > 0.0 { 1.0 } else { 0.0 }],
+            inverse_inertia: [[0.0; 4]; 2],
+            translation: [0.0; 4],
+            orientation: row(IDENTITY),
+            moments: row_of(moments, 0.0),
+            inverse_moments: [1.0; 4],
+            own_moments: row_of(moments, moments.x.min(moments.y).min(moments.z)),
+            kick: [[0.0; 4]; 2],
+            kept: [1.0; 2],
+            row: SolverRow(0),
+            center,
+            start: IDENTITY,
+            dropped: [0.0; 4],
+        };
+        it.raise(0.0);
+        it
+    }
 }
 
 fn single(v: Vec3<f64>) -> Vec3<Real> {

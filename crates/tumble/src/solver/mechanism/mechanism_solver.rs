@@ -7,11 +7,11 @@ use crate::joints::axis_lock::AxisLock;
 use crate::math::Real;
 use crate::simd::Four;
 use crate::solver::mechanism::block_ldl::BlockLdl;
+use crate::solver::mechanism::body_passes::{drift, follow, take_loads};
 use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::joint_free_rows::has_distance;
 use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::mechanism_body::{MechanismBody, SavedBody};
-use crate::solver::mechanism::mechanism_drift::{drift, follow, take_loads};
 use crate::solver::mechanism::mechanism_matrix::{Coupling, RowColumns, arranged, couplings};
 use crate::solver::mechanism::mechanism_rows::{Chunk, Impulses, alike};
 use crate::solver::mechanism::mechanism_substeps::MAX_ERROR;
@@ -171,7 +171,7 @@ impl MechanismSolver {
     pub(super) fn free_bodies(&mut self) -> Option<&mut [MechanismBody]> {
         let count = self.bodies.len() - self.grounds;
         let bodies = &mut self.bodies[..count];
-        bodies.iter().all(|body| body.is_moved()).then_some(bodies)
+        bodies.iter().all(MechanismBody::is_moved).then_some(bodies)
     }
 
     /// To be called once the bodies have been read, before the first substep.

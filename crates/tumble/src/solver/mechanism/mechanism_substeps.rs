@@ -2,6 +2,7 @@
 
 use tumble_math::lane::Vec3;
 
+use crate::solver::mechanism::body_passes::{kick, save};
 use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::mechanism_body::{MechanismBody, SavedBody};
 use crate::solver::mechanism::mechanism_misfit::{MIN_MISFIT, turned_by};
@@ -40,8 +41,8 @@ impl MechanismSolver {
     fn advance_once(&mut self, h: f64, halvings: u32, before: f64) {
         let half = |phase| Half { phase, h, before: 0.5 };
         self.saved.resize(self.bodies.len(), SavedBody::default());
-        self.saved.iter_mut().zip(&self.bodies).for_each(|(saved, body)| *saved = body.saved());
-        self.bodies.iter_mut().for_each(|body| body.kick(halvings));
+        save(&self.bodies, &mut self.saved);
+        kick(&mut self.bodies, halvings);
         let is_counted = self.matrix.may_depend() || self.has_distances || halvings > 0;
         let energy = if is_counted { self.kinetic_energy() } else { 0.0 };
         let left = self.solve_positions(half(Phase::Positions));
@@ -63,7 +64,7 @@ impl MechanismSolver {
         self.contradicts |= !is_met || halvings > 0 || is_misfit;
         self.gain += if is_counted { self.kinetic_energy() - energy } else { 0.0 };
         self.note_impulses(true);
-        self.bodies.iter_mut().for_each(|body| body.kick(halvings));
+        kick(&mut self.bodies, halvings);
         self.take_loads(h);
         self.update_rows();
         let energy = if is_counted { self.kinetic_energy() } else { 0.0 };

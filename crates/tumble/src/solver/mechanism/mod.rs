@@ -7,6 +7,7 @@
 
 pub(crate) mod block_kernels;
 pub(crate) mod block_ldl;
+mod body_passes;
 pub(crate) mod elimination;
 pub(crate) mod fours;
 mod free_axis;
@@ -18,7 +19,6 @@ pub(crate) mod joint_potential;
 pub(crate) mod joint_rows;
 mod joint_values;
 pub(crate) mod mechanism_body;
-mod mechanism_drift;
 mod mechanism_free_rows;
 mod mechanism_matrix;
 mod mechanism_misfit;
@@ -28,6 +28,8 @@ mod mechanism_substeps;
 pub(crate) mod mechanisms;
 mod pinned_joints;
 mod pinned_matrix;
+#[cfg(test)]
+mod pinned_tests;
 mod rotations;
 pub(crate) mod row_spring;
 mod touched_mechanism;

@@ -1,4 +1,5 @@
-//! The free motion of the bodies of a mechanism, and the inertia that follows it, four at a time.
+//! What all bodies of a mechanism do in a substep: kicks, free motion, and the inertia that follows
+//! it and the loads; four bodies at a time.
 
 use tumble_math::FreeRotation;
 use tumble_math::lane::Vec3;
@@ -9,6 +10,16 @@ use crate::solver::mechanism::fours::{
     by_place, four_of, of_each, quaternion, quaternions, row, rows, rows_of, vectors,
 };
 use crate::solver::mechanism::mechanism_body::{KEPT_LOAD, MAX_SQUARED_ANGLE, MechanismBody, SavedBody};
+
+/// Notes what a substep changes of bodies.
+pub(super) fn save(bodies: &[MechanismBody], saved: &mut [SavedBody]) {
+    dispatch_fours(Save { bodies, saved });
+}
+
+/// Adds what forces do in half a substep that was halved this many times.
+pub(super) fn kick(bodies: &mut [MechanismBody], halvings: u32) {
+    dispatch_fours(Kick { bodies, halvings });
+}
 
 /// Moves bodies from where they were saved for `h` \[s\], without what turns with them but their
 /// orientations.
@@ -25,6 +36,44 @@ pub(super) fn follow(bodies: &mut [MechanismBody]) {
 /// joints of impulse times arm [kg m^2/s].
 pub(super) fn take_loads(bodies: &mut [MechanismBody], pulls: &[f64], h: f64) {
     dispatch_fours(TakeLoads { bodies, pulls, h });
+}
+
+struct Save<'a> {
+    bodies: &'a [MechanismBody],
+    saved: &'a mut [SavedBody],
+}
+
+impl FourKernel for Save<'_> {
+    #[inline(always)]
+    fn run<T: FourLane>(self) {
+        for (saved, body) in self.saved.iter_mut().zip(self.bodies) {
+            T::load(&body.linear).store(&mut saved.linear);
+            T::load(&body.angular).store(&mut saved.angular);
+            T::load(&body.translation).store(&mut saved.translation);
+            T::load(&body.orientation).store(&mut saved.orientation);
+            T::load(&body.dropped).store(&mut saved.dropped);
+            saved.load = body.load();
+        }
+    }
+}
+
+struct Kick<'a> {
+    bodies: &'a mut [MechanismBody],
+    halvings: u32,
+}
+
+impl FourKernel for Kick<'_> {
+    #[inline(always)]
+    fn run<T: FourLane>(self) {
+        for body in self.bodies {
+            if self.halvings > 0 || body.is_damped() {
+                body.kick(self.halvings);
+            } else {
+                (T::load(&body.linear) + T::load(&body.kick[0])).store(&mut body.linear);
+                (T::load(&body.angular) + T::load(&body.kick[1])).store(&mut body.angular);
+            }
+        }
+    }
 }
 
 struct Drift<'a> {
