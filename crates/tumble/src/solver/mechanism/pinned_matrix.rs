@@ -86,10 +86,10 @@ impl MechanismSolver {
             let bodies = four.bodies(bodies, end);
             let levers = Levers::of(four.joints(), [end; 4], rotations);
             let inertia = inverse_inertia::<T>(of_each!(bodies, body => &body.inverse_inertia));
-            for column in 0..N {
-                let response = levers.response(column, inertia);
-                for row in column..N {
-                    let speed = levers.speed(row, response);
+            for row in 0..N {
+                let response = levers.response(row, inertia);
+                for column in 0..=row {
+                    let speed = levers.speed(column, response);
                     sums[row][column] = if end == 0 { speed } else { sums[row][column] + speed };
                 }
             }
