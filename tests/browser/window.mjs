@@ -63,7 +63,8 @@ await page.goto(`http://127.0.0.1:${server.address().port}/`);
 
 const read = () => page.evaluate(() => ({ step: Number(document.querySelector('#step').textContent), hash: document.querySelector('#hash').textContent }));
 // The limit is for a page that hangs, not for a busy machine.
-const until = async (is, limit = 900_000) => {
+const LIMIT = 300_000;
+const until = async (is, limit = LIMIT) => {
   const begin = Date.now();
   for (;;) {
     const state = await read();
@@ -71,6 +72,8 @@ const until = async (is, limit = 900_000) => {
     await page.waitForTimeout(100);
   }
 };
+// Seen at one of its first steps, or long enough ago.
+const begun = () => until(({ step }) => step > 0 && step < 20, 20_000);
 const frames = count => page.evaluate(count => new Promise(done => {
   const next = () => (count-- > 0 ? requestAnimationFrame(next) : done());
   next();
@@ -83,6 +86,9 @@ const paused = async () => {
     before = state.step;
   }
 };
+const text = (selector, part) => page.waitForFunction(
+  ([selector, part]) => document.querySelector(selector).textContent.includes(part), [selector, part], { timeout: LIMIT },
+).catch(() => {});
 const button = code => page.click(`button[data-key="${code}"]`);
 const hashOf = (scene, steps) => JSON.parse(execFileSync(program, ['run', scene, '--steps', `${steps}`, '--json'], { encoding: 'utf8' })).state_hash;
 
@@ -92,7 +98,7 @@ check('scenes', (await page.$$('#scenes option')).length > 20);
 
 for (const scene of compared) {
   await page.selectOption('#scenes', scene);
-  await until(({ step }) => step > 0 && step < 20);
+  await begun();
   await until(({ step }) => step >= 20);
   await button('Space');
   const state = await paused();
@@ -115,13 +121,13 @@ for (const scene of compared) {
 
 const same = () => page.textContent('#same');
 await page.selectOption('#scenes', 'bowling');
-await until(({ step }) => step > 0 && step < 20);
+await begun();
 await button('Space');
 const before = await paused();
 check('an untouched scene names its command', (await same()).endsWith(`tumble run bowling --steps ${before.step}`));
 check('and has its bits', before.hash === hashOf('bowling', before.step));
 await button('KeyO');
-await page.waitForFunction(() => document.querySelector('#same').textContent === 'changed by hand', null, { timeout: 900_000 }).catch(() => {});
+await text('#same', 'changed by hand');
 check('a ball that is shot changes it', (await same()) === 'changed by hand' && (await read()).hash !== before.hash);
 await button('KeyR');
 await until(({ step }) => step === 0);
@@ -129,12 +135,12 @@ check('a restart is the scene again', (await same()).endsWith('tumble run bowlin
 // The page down key goes to the next scene.
 await page.focus('#glcanvas');
 await page.keyboard.press('PageDown');
-await page.waitForTimeout(1000);
+await text('#same', 'tumble run clockwork ');
 check('the list follows the keys', (await page.inputValue('#scenes')) === 'clockwork');
 await page.keyboard.press('q');
 await page.waitForTimeout(500);
 await page.selectOption('#scenes', 'bowling');
-await until(({ step }) => step > 0 && step < 20);
+await text('#same', 'tumble run bowling ');
 check('Q does not end it', (await same()).includes('tumble run bowling'));
 
 await page.setViewportSize({ width: 390, height: 844 });

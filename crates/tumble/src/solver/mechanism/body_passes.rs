@@ -104,7 +104,7 @@ impl FourKernel for Drift<'_> {
             let angular = Vec3::select(turns, angular, Vec3::splat(zero));
             let turned = FreeRotation::new(moments, inverses, None, T::splat(h)).rotate(orientation, angular);
             let orientations = rows(turned);
-            // The last of four bodies that are fewer stands there several times, with the same numbers.
+            // Of fewer than four bodies the last stands here several times, with the same numbers.
             by_place!(k of 4 {
                 let body = &mut bodies[four[k]];
                 translations[k].store(&mut body.translation);
@@ -180,8 +180,8 @@ impl FourKernel for TakeLoads<'_> {
             let orientation = quaternions::<T>(of_each!(four, i => &bodies[i].orientation));
             let ratio = Vec3::new(raised.x / moments.x, raised.y / moments.y, raised.z / moments.z);
             let scaled = orientation.rotate(orientation.rotate_back(momentum).scale(ratio));
-            // More inertia is taken at the momentum that there is, less of it at the velocity: neither
-            // makes energy.
+            // More inertia is taken at the momentum that there is, less of it at the velocity:
+            // neither makes energy.
             let change = raised - moments;
             let change = change.x.abs().max(change.y.abs()).max(change.z.abs());
             let change = T::select(load.lt(asked), zero, T::select(is_loaded, change, zero));

@@ -19,8 +19,8 @@ pub(crate) struct MechanismBody {
     /// Momentum [kg m/s], or velocity \[m/s\] of a body that is not dynamic; and inverse mass
     /// [1/kg], zero of a body that is not dynamic.
     pub(super) linear: Four,
-    /// Angular momentum [kg m^2/s], or angular velocity \[rad/s\] of a body that is not dynamic; and
-    /// one if impulses turn it, else zero.
+    /// Angular momentum [kg m^2/s], or angular velocity \[rad/s\] of a body that is not dynamic;
+    /// and one if impulses turn it, else zero.
     pub(super) angular: Four,
     /// Inverse inertia in the world [1/(kg m^2)]: `xx yy zz`, then `yz zx xy`.
     pub(super) inverse_inertia: [Four; 2],
@@ -207,9 +207,8 @@ impl MechanismBody {
         self.update_inertia();
     }
 
-    /// Takes the sum over its joints of impulse times arm [kg m^2/s] in a substep of `h` \[s\], before
-    /// the body moves, where the load has grown so much that its inertia would not do for this substep.
-    /// Returns whether it has.
+    /// Takes the sum over its joints of impulse times arm [kg m^2/s] in a substep of `h` \[s\]
+    /// before it moves, if its inertia would not do for that load. Returns whether it has.
     pub(crate) fn take_sudden_load(&mut self, impulse_times_arm: f64, h: f64) -> bool {
         let load = h * impulse_times_arm / MAX_SQUARED_ANGLE;
         let is_sudden = self.turns() && load > SUDDEN * self.load().max(self.least_moment());

@@ -87,8 +87,8 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
         self.rows(apart, about)
     }
 
-    /// Sets the right sides of what these speeds are to become: what bends the paths, and what takes
-    /// the errors out at a rate [1/s].
+    /// Sets the right sides of what these speeds are to become: what bends the paths, and what
+    /// takes the errors out at a rate [1/s].
     #[inline(always)]
     pub(super) fn set_right_side(
         &self,
