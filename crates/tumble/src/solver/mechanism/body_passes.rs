@@ -9,7 +9,8 @@ use crate::simd::{FourKernel, FourLane, dispatch_fours};
 use crate::solver::mechanism::fours::{
     by_place, four_of, of_each, quaternion, quaternions, row, rows, rows_of, vectors,
 };
-use crate::solver::mechanism::mechanism_body::{KEPT_LOAD, MAX_SQUARED_ANGLE, MechanismBody, SavedBody};
+use crate::solver::mechanism::mechanism_body::{MechanismBody, SavedBody};
+use crate::solver::mechanism::raised_inertia::{KEPT_LOAD, load_of, momentum_with};
 
 /// Notes what a substep changes of bodies.
 pub(super) fn save(bodies: &[MechanismBody], saved: &mut [SavedBody]) {
@@ -169,7 +170,7 @@ impl FourKernel for TakeLoads<'_> {
             let (moments, load) = vectors::<T>(of_each!(four, i => &bodies[i].moments));
             let (momentum, turns) = vectors::<T>(of_each!(four, i => &bodies[i].angular));
             let pull = T::load(&of_each!(four, i => pulls[i]));
-            let asked = (T::splat(h) * pull / T::splat(MAX_SQUARED_ANGLE)).max(T::splat(KEPT_LOAD) * load);
+            let asked = load_of(pull, h).max(T::splat(KEPT_LOAD) * load);
             // What is no more changes nothing now, and nothing that is left of it will.
             let asked = T::select(least.lt(asked), asked, zero);
             let is_loaded = zero.lt(T::select(zero.lt(turns), asked.max(load), zero));
@@ -178,8 +179,7 @@ impl FourKernel for TakeLoads<'_> {
             }
             let raised = Vec3::new(own.x.max(asked), own.y.max(asked), own.z.max(asked));
             let orientation = quaternions::<T>(of_each!(four, i => &bodies[i].orientation));
-            let ratio = Vec3::new(raised.x / moments.x, raised.y / moments.y, raised.z / moments.z);
-            let scaled = orientation.rotate(orientation.rotate_back(momentum).scale(ratio));
+            let scaled = momentum_with(raised, moments, orientation, momentum);
             // More inertia is taken at the momentum that there is, less of it at the velocity:
             // neither makes energy.
             let change = raised - moments;

@@ -4,7 +4,7 @@ use tumble_math::lane::{Quat, Vec3};
 
 use crate::simd::{Four, FourLane};
 
-/// Evaluates the same expression for each of four.
+/// Evaluates the same expression for each of four; vectors do not go through a closure.
 macro_rules! of_each {
     ($four:expr, $it:ident => $value:expr) => {{
         let [a, b, c, d] = $four;
@@ -75,6 +75,12 @@ pub(super) fn quaternion([x, y, z, w]: &Four) -> Quat<f64> {
 #[inline(always)]
 pub(super) fn four_of(first: usize, count: usize) -> [usize; 4] {
     of_each!([0, 1, 2, 3], k => (first + k).min(count - 1))
+}
+
+/// Whether a place of these has a number that no place before it has.
+#[inline(always)]
+pub(super) fn is_new(four: [usize; 4], k: usize) -> bool {
+    k == 0 || four[k] != four[k - 1]
 }
 
 /// The vectors at the head of four rows side by side, and the numbers beside them.

@@ -383,7 +383,7 @@ impl JointRows {
         for (row, (wanted, error)) in all_wanted.iter_mut().zip(errors).enumerate().take(self.locked) {
             let is_linear = self.gear.as_ref().map_or(row < linear, |gear| gear.is_linear());
             let most = h * correction_speed(is_linear);
-            *wanted = error - error.clamp(-most, most);
+            *wanted = left_of_error(*error, most);
         }
         for (row, it) in (self.locked..).zip(&mut self.free_rows) {
             // A bound may be reached as fast as the bodies are.
@@ -423,8 +423,7 @@ impl JointRows {
     /// Of the second body against the first where they are pushed, linear and angular.
     #[inline]
     pub(crate) fn relative_velocity(&self, velocities: impl Fn(usize) -> [Vec3<f64>; 2]) -> [Vec3<f64>; 2] {
-        let (a, b) = (velocities(self.bodies[0]), velocities(self.bodies[1]));
-        [(b[0] + b[1].cross(self.arm(1))) - (a[0] + a[1].cross(self.arm(0))), b[1] - a[1]]
+        velocity_apart(self.bodies.map(velocities), self.arms())
     }
 
     /// The impulse and the angular impulse on the second body of impulses along the rows.
@@ -455,6 +454,19 @@ pub(super) fn arms_and_gap<L: Lane>(
 ) -> ([Vec3<L>; 2], Vec3<L>) {
     let (first, second) = (orientations[0].rotate(anchors[0]), orientations[1].rotate(anchors[1]));
     ([first, second], between + (translations[1] - translations[0]) + (second - first))
+}
+
+/// Of second bodies against first ones where they are pushed, linear and angular, by the linear and
+/// angular velocities of both and the arms.
+#[inline(always)]
+pub(super) fn velocity_apart<L: Lane>([a, b]: [[Vec3<L>; 2]; 2], arms: [Vec3<L>; 2]) -> [Vec3<L>; 2] {
+    [(b[0] + b[1].cross(arms[1])) - (a[0] + a[1].cross(arms[0])), b[1] - a[1]]
+}
+
+/// What is left of an error of which no more than this is taken out.
+#[inline(always)]
+pub(super) fn left_of_error<L: Lane>(error: L, most: L) -> L {
+    error - error.max(-most).min(most)
 }
 
 /// From the centres of mass, and from the second anchor, to the point where both bodies are pushed,

@@ -10,6 +10,7 @@ use crate::simd::Four;
 use crate::solver::body_rows::{DeltaPose, WorldInverseInertia};
 use crate::solver::mechanism::fours::{quaternion, row, row_of, vector};
 use crate::solver::mechanism::joint_rows::IDENTITY;
+use crate::solver::mechanism::raised_inertia::{SUDDEN, load_of, momentum_with};
 use crate::solver::solver_bodies::{SolverBodies, SolverRow, halved};
 
 /// A body as the joints of its mechanism see it.
@@ -57,14 +58,6 @@ pub(crate) struct SavedBody {
     pub(super) load: f64,
     pub(super) dropped: Four,
 }
-
-/// A body turns under its load by at most the square root of this [rad] a substep: what is
-/// lighter is given that much inertia.
-pub(super) const MAX_SQUARED_ANGLE: f64 = 0.5;
-/// What is this many times the inertia is a sudden load.
-const SUDDEN: f64 = 2.0;
-/// What is left of the raised inertia in the next substep, where the load is gone.
-pub(super) const KEPT_LOAD: f64 = 0.9;
 
 impl MechanismBody {
     /// Reads a row of the solver, with the load of the last substep.
@@ -210,7 +203,7 @@ impl MechanismBody {
     /// Takes the sum over its joints of impulse times arm [kg m^2/s] in a substep of `h` \[s\]
     /// before it moves, if its inertia would not do for that load. Returns whether it has.
     pub(crate) fn take_sudden_load(&mut self, impulse_times_arm: f64, h: f64) -> bool {
-        let load = h * impulse_times_arm / MAX_SQUARED_ANGLE;
+        let load = load_of(impulse_times_arm, h);
         let is_sudden = self.turns() && load > SUDDEN * self.load().max(self.least_moment());
         if is_sudden {
             self.slow_down(load);
@@ -234,9 +227,7 @@ impl MechanismBody {
     /// angular velocity.
     fn scale_momentum(&mut self, before: Vec3<f64>, after: Vec3<f64>) {
         if self.turns() && (before.x != after.x || before.y != after.y || before.z != after.z) {
-            let y = self.orientation().rotate_back(self.angular());
-            let ratio = Vec3::new(after.x / before.x, after.y / before.y, after.z / before.z);
-            let scaled = self.orientation().rotate(y.scale(ratio));
+            let scaled = momentum_with(after, before, self.orientation(), self.angular());
             self.dropped = row_of(self.dropped() + self.angular() - scaled, self.damping_work());
             self.angular = row_of(scaled, self.angular[3]);
         }

@@ -10,20 +10,6 @@ use crate::solver::mechanism::mechanism_solver::{MechanismSolver, SIGNS};
 use crate::solver::mechanism::pinned_joints::{PinnedJoints, plan_pinned};
 use crate::solver::mechanism::rotations::Rotations;
 
-/// What four joints are that stand one after the other, in the order of elimination.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Chunk {
-    /// All of them lock all translations and these rotations, and nothing acts along a free axis.
-    Pinned(Rotations),
-    Mixed,
-}
-
-impl Chunk {
-    pub(super) fn of(joints: &[JointRows]) -> Self {
-        alike(joints).map_or(Self::Mixed, Self::Pinned)
-    }
-}
-
 /// The rotations that joints lock if they lock the same, and all translations, and nothing acts
 /// along a free axis.
 pub(super) fn alike(joints: &[JointRows]) -> Option<Rotations> {
@@ -39,24 +25,30 @@ pub(super) enum Impulses {
     OfSolution,
 }
 
-/// Calls a function with the rotations that pinned joints lock as constants, or another where the
-/// joints are not alike or are universal ones.
-macro_rules! by_chunk {
-    ($chunk:expr, $rotations:ident => $pinned:expr, $mixed:expr) => {
-        match $chunk {
-            Chunk::Pinned(Rotations::Free) => {
-                let $rotations = Rotations::Free;
-                $pinned
+/// Goes through joints in fours, by the rotations that four of them lock alike: as a constant, or
+/// one joint after the other where they are not alike, or as universal joints.
+macro_rules! in_fours {
+    ($alike:ident => |$first:ident, $rotations:ident| $pinned:expr, $joints:expr => |$number:ident, $joint:ident| $mixed:expr) => {
+        for ($first, alike) in (0..).step_by(4).zip(&*$alike) {
+            match alike {
+                Some(Rotations::Free) => {
+                    let $rotations = Rotations::Free;
+                    $pinned
+                }
+                Some(Rotations::About(0)) => {
+                    let $rotations = Rotations::About(0);
+                    $pinned
+                }
+                Some(Rotations::Locked) => {
+                    let $rotations = Rotations::Locked;
+                    $pinned
+                }
+                _ => {
+                    for ($number, $joint) in $joints.enumerate().skip($first).take(4) {
+                        $mixed
+                    }
+                }
             }
-            Chunk::Pinned(Rotations::About(0)) => {
-                let $rotations = Rotations::About(0);
-                $pinned
-            }
-            Chunk::Pinned(Rotations::Locked) => {
-                let $rotations = Rotations::Locked;
-                $pinned
-            }
-            _ => $mixed,
         }
     };
 }
@@ -70,20 +62,17 @@ impl MechanismSolver {
 
     #[inline(always)]
     fn set_right_sides<T: FourLane>(&mut self, rate: f64) {
-        let Self { joints, bodies, matrix, right, bend, chunks, .. } = self;
-        for (first, chunk) in (0..).step_by(4).zip(&*chunks) {
-            by_chunk!(
-                *chunk,
-                rotations => {
-                    let four = PinnedJoints::<T>::of(joints, first, rotations);
-                    four.set_right_side(four.speeds(bodies), matrix, right, (bend, rate));
-                },
-                for (number, joint) in joints.iter().enumerate().skip(first).take(4) {
-                    let begin = matrix.place(number);
-                    set_right_side_of(joint, bodies, &mut right.as_flattened_mut()[begin..], &bend.as_flattened()[begin..], rate);
-                }
-            );
-        }
+        let Self { joints, bodies, matrix, right, bend, alike_fours, .. } = self;
+        in_fours!(alike_fours =>
+            |first, rotations| {
+                let four = PinnedJoints::<T>::of(joints, first, rotations);
+                four.set_right_side(four.speeds(bodies), matrix, right, (bend, rate));
+            },
+            joints.iter() => |number, joint| {
+                let begin = matrix.place(number);
+                set_right_side_of(joint, bodies, &mut right.as_flattened_mut()[begin..], &bend.as_flattened()[begin..], rate);
+            }
+        );
     }
 
     /// Sets what is left of the errors after a substep of `h` \[s\].
@@ -93,11 +82,11 @@ impl MechanismSolver {
 
     #[inline(always)]
     fn plan_all_corrections<T: FourLane>(&mut self, h: f64) {
-        let Self { joints, chunks, .. } = self;
-        for (joints, chunk) in joints.chunks_mut(4).zip(&*chunks) {
-            match chunk {
-                Chunk::Pinned(rotations) => joints.iter_mut().for_each(|joint| plan_pinned::<T>(joint, *rotations, h)),
-                Chunk::Mixed => joints.iter_mut().for_each(|joint| joint.plan_correction(h)),
+        let Self { joints, alike_fours, .. } = self;
+        for (joints, alike) in joints.chunks_mut(4).zip(&*alike_fours) {
+            match alike {
+                Some(rotations) => joints.iter_mut().for_each(|joint| plan_pinned::<T>(joint, *rotations, h)),
+                None => joints.iter_mut().for_each(|joint| joint.plan_correction(h)),
             }
         }
     }
@@ -112,27 +101,24 @@ impl MechanismSolver {
 
     #[inline(always)]
     fn set_all_remaining<T: FourLane>(&mut self, h: f64) -> f64 {
-        let Self { joints, bodies, matrix, right, impulses, chunks, .. } = self;
+        let Self { joints, bodies, matrix, right, impulses, alike_fours, .. } = self;
         let rate = -1.0 / h;
         let mut most = 0.0_f64;
         let mut most_of_fours = T::splat(0.0);
-        for (first, chunk) in (0..).step_by(4).zip(&*chunks) {
-            by_chunk!(
-                *chunk,
-                rotations => {
-                    let four = PinnedJoints::<T>::of(joints, first, rotations);
-                    let (left, largest) = four.errors_left(bodies);
-                    most_of_fours = largest.max(most_of_fours);
-                    four.set_remaining(left, matrix, right, rate);
-                },
-                for (number, joint) in joints.iter().enumerate().skip(first).take(4) {
-                    let begin = matrix.place(number);
-                    let right = &mut right.as_flattened_mut()[begin..];
-                    let left = set_remaining_of(joint, bodies, right, &impulses.as_flattened()[begin..], rate);
-                    most = most.max(left);
-                }
-            );
-        }
+        in_fours!(alike_fours =>
+            |first, rotations| {
+                let four = PinnedJoints::<T>::of(joints, first, rotations);
+                let (left, largest) = four.errors_left(bodies);
+                most_of_fours = largest.max(most_of_fours);
+                four.set_remaining(left, matrix, right, rate);
+            },
+            joints.iter() => |number, joint| {
+                let begin = matrix.place(number);
+                let right = &mut right.as_flattened_mut()[begin..];
+                let left = set_remaining_of(joint, bodies, right, &impulses.as_flattened()[begin..], rate);
+                most = most.max(left);
+            }
+        );
         let mut of_fours = [0.0; 4];
         most_of_fours.store(&mut of_fours);
         of_fours.into_iter().fold(most, f64::max)
@@ -145,20 +131,17 @@ impl MechanismSolver {
 
     #[inline(always)]
     fn push_all<T: FourLane>(&mut self) {
-        let Self { joints, bodies, matrix, right, chunks, .. } = self;
-        for (first, chunk) in (0..).step_by(4).zip(&*chunks) {
-            by_chunk!(
-                *chunk,
-                rotations => {
-                    let four = PinnedJoints::<T>::of(joints, first, rotations);
-                    let impulses = four.impulses(matrix, right);
-                    four.push(bodies, impulses);
-                },
-                for (number, joint) in joints.iter().enumerate().skip(first).take(4) {
-                    push_by(joint, bodies, &right.as_flattened()[matrix.place(number)..]);
-                }
-            );
-        }
+        let Self { joints, bodies, matrix, right, alike_fours, .. } = self;
+        in_fours!(alike_fours =>
+            |first, rotations| {
+                let four = PinnedJoints::<T>::of(joints, first, rotations);
+                let impulses = four.impulses(matrix, right);
+                four.push(bodies, impulses);
+            },
+            joints.iter() => |number, joint| {
+                push_by(joint, bodies, &right.as_flattened()[matrix.place(number)..]);
+            }
+        );
     }
 
     /// Adds the impulses of a solution to what joints have done, and where they `pull`, sets what
@@ -172,28 +155,25 @@ impl MechanismSolver {
 
     #[inline(always)]
     fn note_all_impulses<T: FourLane>(&mut self) {
-        let Self { joints, matrix, impulses, done, chunks, .. } = self;
-        for (first, chunk) in (0..).step_by(4).zip(&*chunks) {
-            by_chunk!(
-                *chunk,
-                rotations => {
-                    let four = PinnedJoints::<T>::of(joints, first, rotations);
-                    let along = four.impulses(matrix, impulses);
-                    four.note(along, done);
-                },
-                for (number, joint) in joints.iter().enumerate().skip(first).take(4) {
-                    let impulses = &mut impulses.as_flattened_mut()[matrix.place(number)..][..joint.count];
-                    for (impulse, row) in impulses[joint.locked..].iter_mut().zip(&joint.free_rows) {
-                        *impulse += row.pushed;
-                    }
-                    let [impulse, angular] = joint.impulse(impulses);
-                    let [linear, turning] = &mut done[number];
-                    *linear = row_of(vector(linear) + impulse, 0.0);
-                    let moment = vector(&joint.from_anchor).cross(impulse);
-                    *turning = row_of(vector(turning) + angular + moment, 0.0);
+        let Self { joints, matrix, impulses, done, alike_fours, .. } = self;
+        in_fours!(alike_fours =>
+            |first, rotations| {
+                let four = PinnedJoints::<T>::of(joints, first, rotations);
+                let along = four.impulses(matrix, impulses);
+                four.note(along, done);
+            },
+            joints.iter() => |number, joint| {
+                let impulses = &mut impulses.as_flattened_mut()[matrix.place(number)..][..joint.count];
+                for (impulse, row) in impulses[joint.locked..].iter_mut().zip(&joint.free_rows) {
+                    *impulse += row.pushed;
                 }
-            );
-        }
+                let [impulse, angular] = joint.impulse(impulses);
+                let [linear, turning] = &mut done[number];
+                *linear = row_of(vector(linear) + impulse, 0.0);
+                let moment = vector(&joint.from_anchor).cross(impulse);
+                *turning = row_of(vector(turning) + angular + moment, 0.0);
+            }
+        );
     }
 
     /// Sets by body the sum over its joints of impulse times arm.
@@ -203,29 +183,26 @@ impl MechanismSolver {
 
     #[inline(always)]
     fn set_all_pulls<T: FourLane>(&mut self, of: Impulses) {
-        let Self { joints, matrix, impulses, right, pulls, chunks, .. } = self;
+        let Self { joints, matrix, impulses, right, pulls, alike_fours, .. } = self;
         let impulses = match of {
             Impulses::OnRightSide => &*right,
             Impulses::OfSolution => &*impulses,
         };
         pulls.fill(0.0);
-        for (first, chunk) in (0..).step_by(4).zip(&*chunks) {
-            by_chunk!(
-                *chunk,
-                rotations => {
-                    let four = PinnedJoints::<T>::of(joints, first, rotations);
-                    let along = four.impulses(matrix, impulses);
-                    four.pull(along, pulls);
-                },
-                for (number, joint) in joints.iter().enumerate().skip(first).take(4) {
-                    let along = &impulses.as_flattened()[matrix.place(number)..][..joint.count];
-                    let strength = length(joint.impulse(along)[0]);
-                    for end in 0..2 {
-                        pulls[joint.bodies[end]] += strength * joint.arms[end][3];
-                    }
+        in_fours!(alike_fours =>
+            |first, rotations| {
+                let four = PinnedJoints::<T>::of(joints, first, rotations);
+                let along = four.impulses(matrix, impulses);
+                four.pull(along, pulls);
+            },
+            joints.iter() => |number, joint| {
+                let along = &impulses.as_flattened()[matrix.place(number)..][..joint.count];
+                let strength = length(joint.impulse(along)[0]);
+                for end in 0..2 {
+                    pulls[joint.bodies[end]] += strength * joint.arms[end][3];
                 }
-            );
-        }
+            }
+        );
     }
 
     /// Sets the rows to where the bodies are.
@@ -236,14 +213,11 @@ impl MechanismSolver {
 
     #[inline(always)]
     fn update_all_rows<T: FourLane>(&mut self) {
-        let Self { joints, bodies, chunks, .. } = self;
-        for (first, chunk) in (0..).step_by(4).zip(&*chunks) {
-            by_chunk!(
-                *chunk,
-                rotations => PinnedJoints::<T>::update(joints, first, rotations, bodies),
-                joints.iter_mut().skip(first).take(4).for_each(|joint| joint.update(bodies))
-            );
-        }
+        let Self { joints, bodies, alike_fours, .. } = self;
+        in_fours!(alike_fours =>
+            |first, rotations| PinnedJoints::<T>::update(joints, first, rotations, bodies),
+            joints.iter_mut() => |_number, joint| joint.update(bodies)
+        );
     }
 }
 

@@ -13,7 +13,7 @@ use crate::solver::mechanism::joint_free_rows::has_distance;
 use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::mechanism_body::{MechanismBody, SavedBody};
 use crate::solver::mechanism::mechanism_matrix::{Coupling, RowColumns, arranged, couplings};
-use crate::solver::mechanism::mechanism_rows::{Chunk, Impulses, alike};
+use crate::solver::mechanism::mechanism_rows::{Impulses, alike};
 use crate::solver::mechanism::mechanism_substeps::MAX_ERROR;
 use crate::solver::mechanism::rotations::Rotations;
 
@@ -34,8 +34,8 @@ pub(crate) struct MechanismSolver {
     pub(crate) joints: Vec<JointRows>,
     /// Of mechanisms whose joints are all pinned and lock the same rotations, these.
     pub(super) alike: Option<Rotations>,
-    /// What is the same of four joints after the other.
-    pub(super) chunks: Vec<Chunk>,
+    /// The same of each four joints, one after the other in the order of elimination.
+    pub(super) alike_fours: Vec<Option<Rotations>>,
     pub(super) matrix: BlockLdl,
     pub(super) couplings: Vec<Coupling>,
     /// Blocks of joints that share no body.
@@ -118,7 +118,7 @@ impl MechanismSolver {
         let it = Self {
             done: vec![[[0.0; 4]; 2]; ordered.len()],
             alike: alike(&ordered),
-            chunks: ordered.chunks(4).map(Chunk::of).collect(),
+            alike_fours: ordered.chunks(4).map(alike).collect(),
             columns,
             impulses: vec![[0.0; 4]; matrix.len()],
             right: vec![[0.0; 4]; matrix.len()],

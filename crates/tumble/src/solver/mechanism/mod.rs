@@ -30,6 +30,7 @@ mod pinned_joints;
 mod pinned_matrix;
 #[cfg(test)]
 mod pinned_tests;
+mod raised_inertia;
 mod rotations;
 pub(crate) mod row_spring;
 mod touched_mechanism;

@@ -6,8 +6,10 @@ use crate::integrators::derived::symmetric_product;
 use crate::simd::{Four, FourLane};
 use crate::solver::mechanism::block_kernels::fours;
 use crate::solver::mechanism::block_ldl::BlockLdl;
-use crate::solver::mechanism::fours::{by_place, four_of, of_each, quaternions, rows_of, vectors};
-use crate::solver::mechanism::joint_rows::{JointRows, arms_and_gap, correction_speed, pushed_at};
+use crate::solver::mechanism::fours::{by_place, four_of, is_new, of_each, quaternions, rows_of, vectors};
+use crate::solver::mechanism::joint_rows::{
+    JointRows, arms_and_gap, correction_speed, left_of_error, pushed_at, velocity_apart,
+};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::rotations::Rotations;
 
@@ -48,12 +50,6 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
         fours(3 + self.rotations.locked())
     }
 
-    /// Whether a place has a joint that no place before it has.
-    #[inline(always)]
-    fn is_new(&self, k: usize) -> bool {
-        k == 0 || self.numbers[k] != self.numbers[k - 1]
-    }
-
     #[inline(always)]
     pub(super) fn bodies<'b>(&self, bodies: &'b [MechanismBody], end: usize) -> [&'b MechanismBody; 4] {
         of_each!(self.joints, joint => &bodies[joint.bodies[end]])
@@ -67,17 +63,14 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
     /// About what the row of a locked rotation turns.
     #[inline(always)]
     fn axis(&self, rotation: usize) -> Vec3<T> {
-        vectors(of_each!(self.joints, joint => &joint.angular[3 + rotation])).0
+        axes_of(self.joints, rotation)
     }
 
     /// By four of rows and by joint: how fast the errors grow by the velocities of the bodies.
     #[inline(always)]
     pub(super) fn speeds(&self, bodies: &[MechanismBody]) -> [[T; 4]; 2] {
-        let [(linear_a, angular_a), (linear_b, angular_b)] =
-            [velocities::<T>(self.bodies(bodies, 0)), velocities::<T>(self.bodies(bodies, 1))];
-        let (arm_a, arm_b) = (self.arms(0).0, self.arms(1).0);
-        let apart = (linear_b + angular_b.cross(arm_b)) - (linear_a + angular_a.cross(arm_a));
-        let turn = angular_b - angular_a;
+        let of_both = [velocities::<T>(self.bodies(bodies, 0)), velocities::<T>(self.bodies(bodies, 1))];
+        let [apart, turn] = velocity_apart(of_both, [self.arms(0).0, self.arms(1).0]);
         let mut about = [self.zero; 3];
         by_place!(rotation of 3 {
             if rotation < self.rotations.locked() {
@@ -208,7 +201,7 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
         let linear = rows_of(linear, self.zero);
         let angular = rows_of(self.angular(about), self.zero);
         by_place!(k of 4 {
-            if self.is_new(k) {
+            if is_new(self.numbers, k) {
                 let [a, b] = self.joints[k].bodies;
                 let first = &mut bodies[a];
                 if first.is_moved() {
@@ -236,7 +229,7 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
         let linear = rows_of(linear, self.zero);
         let angular = rows_of(self.angular(about), self.zero);
         by_place!(k of 4 {
-            if self.is_new(k) {
+            if is_new(self.numbers, k) {
                 let [of_joint, turning] = &mut done[self.numbers[k]];
                 (T::load(of_joint) + linear[k]).store(of_joint);
                 let sum = T::load(turning);
@@ -254,7 +247,7 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
         (strength * self.arms(0).1).store(&mut by_arms[0]);
         (strength * self.arms(1).1).store(&mut by_arms[1]);
         by_place!(k of 4 {
-            if self.is_new(k) {
+            if is_new(self.numbers, k) {
                 let [a, b] = self.joints[k].bodies;
                 pulls[a] += by_arms[0][k];
                 pulls[b] += by_arms[1][k];
@@ -291,6 +284,12 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
     }
 }
 
+/// About what the rows of a locked rotation of joints turn.
+#[inline(always)]
+pub(super) fn axes_of<T: FourLane>(joints: [&JointRows; 4], rotation: usize) -> Vec3<T> {
+    vectors(of_each!(joints, joint => &joint.angular[3 + rotation])).0
+}
+
 /// Sets what is left of the errors of a joint after a substep of `h` \[s\].
 #[inline(always)]
 pub(super) fn plan_pinned<T: FourLane>(joint: &mut JointRows, rotations: Rotations, h: f64) {
@@ -298,7 +297,7 @@ pub(super) fn plan_pinned<T: FourLane>(joint: &mut JointRows, rotations: Rotatio
     let limits = [[linear, linear, linear, angular], [angular; 4]];
     for (w, limit) in limits.iter().enumerate().take(fours(3 + rotations.locked())) {
         let (error, most) = (T::load(&joint.errors[w]), T::load(limit));
-        (error - error.max(-most).min(most)).store(&mut joint.wanted[w]);
+        left_of_error(error, most).store(&mut joint.wanted[w]);
     }
 }
 
@@ -314,14 +313,14 @@ fn right_side<T: FourLane>(speed: T, (bend, error, wanted): (&Four, &Four, &Four
 
 /// Linear and angular velocities of bodies.
 #[inline(always)]
-fn velocities<T: FourLane>(bodies: [&MechanismBody; 4]) -> (Vec3<T>, Vec3<T>) {
+fn velocities<T: FourLane>(bodies: [&MechanismBody; 4]) -> [Vec3<T>; 2] {
     let (linear, inverse_mass) = vectors::<T>(of_each!(bodies, body => &body.linear));
     let (angular, _) = vectors::<T>(of_each!(bodies, body => &body.angular));
     let (diagonal, _) = vectors::<T>(of_each!(bodies, body => &body.inverse_inertia[0]));
     let (off_diagonal, _) = vectors::<T>(of_each!(bodies, body => &body.inverse_inertia[1]));
     let moves = T::splat(0.0).lt(inverse_mass);
-    (
+    [
         Vec3::select(moves, linear * inverse_mass, linear),
         Vec3::select(moves, symmetric_product(diagonal, off_diagonal, angular), angular),
-    )
+    ]
 }

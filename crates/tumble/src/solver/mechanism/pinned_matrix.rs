@@ -6,11 +6,11 @@ use tumble_math::lane::Vec3;
 use crate::integrators::derived::symmetric_product;
 use crate::simd::{Four, FourLane};
 use crate::solver::mechanism::block_kernels::fours;
-use crate::solver::mechanism::fours::{by_place, four_of, of_each, vectors};
+use crate::solver::mechanism::fours::{by_place, four_of, is_new, of_each, vectors};
 use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::mechanism_matrix::Coupling;
 use crate::solver::mechanism::mechanism_solver::MechanismSolver;
-use crate::solver::mechanism::pinned_joints::PinnedJoints;
+use crate::solver::mechanism::pinned_joints::{PinnedJoints, axes_of};
 use crate::solver::mechanism::rotations::Rotations;
 
 /// What turns bodies of four joints at an end: the arms, and the axes of locked rotations.
@@ -31,7 +31,7 @@ impl<T: FourLane> Levers<T> {
         let mut axes = [Vec3::splat(T::splat(0.0)); 3];
         by_place!(rotation of 3 {
             if rotation < rotations.locked() {
-                axes[rotation] = vectors::<T>(of_each!(joints, joint => &joint.angular[3 + rotation])).0;
+                axes[rotation] = axes_of(joints, rotation);
             }
         });
         Self { arm, axes }
@@ -102,14 +102,7 @@ impl MechanismSolver {
             raised[row] = sum * softness;
             sums[row][row] = sum * (T::splat(1.0) + softness);
         }
-        let raised = [quad_of(&raised, 0), quad_of(&raised, 1)];
-        let mut rows = [raised; N];
-        for row in 0..N {
-            rows[row][0] = quad_of(&sums[row], 0);
-            if row > 3 {
-                rows[row][1] = quad_of(&sums[row], 1);
-            }
-        }
+        let (raised, rows) = (quads(&raised), quads_of_rows(&sums));
         by_place!(k of 4 {
             let number = four.numbers()[k];
             let diagonal = &mut matrix.diagonal_mut(number)[..N * fours(N)];
@@ -150,16 +143,10 @@ impl MechanismSolver {
                 sums[row][column] = if row == column && row < 3 { inverse_mass + sum } else { sum };
             }
         }
-        let mut rows = [[quad_of(&sums[0], 0); 2]; N];
-        for row in 0..N {
-            rows[row][0] = quad_of(&sums[row], 0);
-            if N > 4 {
-                rows[row][1] = quad_of(&sums[row], 1);
-            }
-        }
+        let rows = quads_of_rows(&sums);
         let blocks = matrix.blocks_mut();
         by_place!(k of 4 {
-            if k == 0 || numbers[k] != numbers[k - 1] {
+            if is_new(numbers, k) {
                 let block: &mut [Four] = &mut blocks[four[k].block as usize..][..N * fours(N)];
                 for (at, number) in block.iter_mut().enumerate() {
                     let sum = rows[at / fours(N)][at % fours(N)][k];
@@ -176,6 +163,22 @@ fn inverse_inertia<T: FourLane>(inertias: [&[Four; 2]; 4]) -> InverseInertia<T> 
     let (diagonal, _) = vectors::<T>(of_each!(inertias, inertia => &inertia[0]));
     let (off_diagonal, _) = vectors::<T>(of_each!(inertias, inertia => &inertia[1]));
     (diagonal, off_diagonal)
+}
+
+/// The rows of four blocks, block by block, in fours.
+#[inline(always)]
+fn quads_of_rows<T: FourLane, const N: usize>(rows: &[[T; N]; N]) -> [[[T; 4]; 2]; N] {
+    let mut all = [quads(&rows[0]); N];
+    for row in 1..N {
+        all[row] = quads(&rows[row]);
+    }
+    all
+}
+
+/// The same of one row.
+#[inline(always)]
+fn quads<T: FourLane, const N: usize>(row: &[T; N]) -> [[T; 4]; 2] {
+    [quad_of(row, 0), quad_of(row, 1)]
 }
 
 /// Four numbers of a row in each of four blocks, block by block.

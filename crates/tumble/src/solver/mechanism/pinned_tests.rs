@@ -7,7 +7,6 @@ use crate::joints::axes::Axes;
 use crate::solver::mechanism::fours::{row, row_of, vector};
 use crate::solver::mechanism::joint_rows::{Anchor, JointRows};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
-use crate::solver::mechanism::mechanism_rows::Chunk;
 use crate::solver::mechanism::mechanism_solver::MechanismSolver;
 
 fn vector_of(rng: &mut Rng, size: f64) -> Vec3<f64> {
@@ -65,7 +64,7 @@ fn advanced(joints: &[JointRows], bodies: &[MechanismBody], by_four: bool) -> Ve
     solver.bodies = bodies.to_vec();
     if !by_four {
         solver.alike = None;
-        solver.chunks.fill(Chunk::Mixed);
+        solver.alike_fours.fill(None);
     }
     for _ in 0..3 {
         assert!(solver.advance(4, 1.0 / 240.0));
