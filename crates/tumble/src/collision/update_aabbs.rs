@@ -21,7 +21,7 @@ impl CollisionPipeline {
     /// Reads where all bodies with colliders are, how far from there they may go in an interval,
     /// and how they go on in the one that the solver looks ahead.
     pub(crate) fn update_aabbs(&mut self, columns: &WorldColumns<'_>, intervals: Intervals) {
-        let Self { body_index, collider_states: ColliderStates { states, proxies, lanes }, colliders, .. } = self;
+        let Self { body_index, collider_states: ColliderStates { states, proxies, lanes }, colliders, sleepers, .. } = self;
         lanes.reset(body_index.len());
         states.clear();
         states.resize(body_index.len(), ColliderState::NOWHERE);
@@ -37,7 +37,8 @@ impl CollisionPipeline {
                     states: &mut states[slots.clone()],
                     proxies: &mut proxies[slots.clone()],
                     lanes: lanes.part(slots.clone()),
-                    sensors: colliders.sensors.get(slots).unwrap_or_default(),
+                    sensors: colliders.sensors.get(slots.clone()).unwrap_or_default(),
+                    asleep: sleepers.mask().get(slots).unwrap_or_default(),
                 };
                 update.run(bodies.rows(row..row + run.len()), intervals);
                 row += run.len();
@@ -65,6 +66,8 @@ struct AabbUpdate<'a> {
     lanes: ShapeLanesPart<'a>,
     /// Empty where there are none.
     sensors: &'a [SensorRole],
+    /// Empty where none sleeps.
+    asleep: &'a [bool],
 }
 
 impl AabbUpdate<'_> {
@@ -79,14 +82,16 @@ impl AabbUpdate<'_> {
         let (proxies, other_proxies) = self.proxies.split_at_mut(middle);
         let (lanes, other_lanes) = self.lanes.split_at(middle);
         let (sensors, other_sensors) = self.sensors.split_at(middle.min(self.sensors.len()));
+        let (asleep, other_asleep) = self.asleep.split_at(middle.min(self.asleep.len()));
         let others = AabbUpdate {
             colliders: other_colliders,
             states: other_states,
             proxies: other_proxies,
             lanes: other_lanes,
             sensors: other_sensors,
+            asleep: other_asleep,
         };
-        let these = AabbUpdate { colliders, states, proxies, lanes, sensors };
+        let these = AabbUpdate { colliders, states, proxies, lanes, sensors, asleep };
         threads::join(
             || these.run(bodies.rows(0..middle), intervals),
             || others.run(bodies.rows(middle..bodies.pose.len()), intervals),
@@ -106,8 +111,9 @@ impl AabbUpdate<'_> {
         let from_center = placement.position - center;
         let radius = geometry.reach().unwrap_or(0.0) + from_center.dot(from_center).sqrt();
         let ccd_thickness = geometry.ccd_thickness();
-        let is_dynamic = bodies.dynamic.is_some();
-        let margin = if is_dynamic { (MARGIN_SHARE * ccd_thickness).min(MAX_MARGIN) } else { 0.0 };
+        let is_asleep = self.asleep.get(i).is_some_and(|it| *it);
+        let is_dynamic = bodies.dynamic.is_some() && !is_asleep;
+        let margin = if bodies.dynamic.is_some() { (MARGIN_SHARE * ccd_thickness).min(MAX_MARGIN) } else { 0.0 };
         let mut motion = Motion { radius, ..Motion::NONE };
         let (linear, in_range) = match bodies.dynamic {
             Some((momenta, masses, inertia)) => {
@@ -138,13 +144,14 @@ impl AabbUpdate<'_> {
         let reach = margin + ahead(way) + fall;
         self.lanes.set(i, geometry, &placement, center, (reach, margin));
         let velocity = (velocity.linear.into(), velocity.angular.into());
-        let is_fixed = !is_dynamic && bodies.velocity.is_none();
+        let is_fixed = bodies.dynamic.is_none() && bodies.velocity.is_none();
         self.states[i] = ColliderState {
             placement,
             center,
             kind,
             is_dynamic,
             is_fixed,
+            is_asleep,
             reach,
             margin,
             half_thickness: ccd_thickness,
