@@ -3,6 +3,13 @@
 use glam::{DQuat, DVec3};
 use tumble::Rng;
 
+/// How many of a test's random cases to draw: all, or the percentage in `TUMBLE_CASES`.
+#[must_use]
+pub fn cases(all: u32) -> u32 {
+    let percentage = std::env::var("TUMBLE_CASES").ok().and_then(|it| it.parse().ok()).unwrap_or(100_u32);
+    (all * percentage.clamp(1, 1000)).div_ceil(100)
+}
+
 /// Random numbers of one case, from a stream of the test's own.
 #[derive(Debug)]
 pub struct Draw(Rng);

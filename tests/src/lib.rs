@@ -12,7 +12,7 @@ pub mod touching;
 pub use comparison::{
     DOUBLE, EPSILON, attitude_error, by_precision, dquat, dvec3, energy_of, largest, quat, real, seconds, vec3,
 };
-pub use draw::Draw;
+pub use draw::{Draw, cases};
 pub use free_body::{Elliptic, FreeBody, Sample, Translation};
 pub use simulation::{hash, run, simulation, weightless};
 pub use snapshot_bytes::forged;

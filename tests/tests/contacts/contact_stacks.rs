@@ -11,7 +11,7 @@ use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
 use tumble::{BodyOrder, Collider, Material, Totals};
 use tumble_tests::touching::{self, collider, cube, ground, pose, surfaced};
-use tumble_tests::{dvec3, run};
+use tumble_tests::{cases, dvec3, run};
 
 fn spawn(world: &mut World, body: RigidBody, shape: &Shape) -> Entity {
     touching::spawn(world, body, collider(shape))
@@ -244,9 +244,9 @@ fn stays_in_a_closed_box(bodies: Vec<Thrown>, bounce: f64) -> Result<(), TestCas
     Ok(())
 }
 
-// Two thousand scenes, in two tests that run side by side.
+// In two tests that run side by side.
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1000))]
+    #![proptest_config(ProptestConfig::with_cases(cases(600)))]
 
     #[test]
     fn nothing_escapes_a_closed_box(bodies in thrown(), bounce in 0.0..0.5_f64) {

@@ -13,6 +13,7 @@ use proptest::prelude::*;
 use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
 use tumble::{Collider, Rng};
+use tumble_tests::cases;
 use tumble_tests::touching::{collider, ground, spawn};
 
 /// Balls and boxes within a distance of the origin, in an order; and how many pairs their boxes
@@ -38,7 +39,7 @@ fn pairs(world: &mut World) -> (BTreeSet<[u64; 2]>, usize) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(12))]
+    #![proptest_config(ProptestConfig::with_cases(cases(12)))]
 
     #[test]
     fn contacts_of_crowds_are_limited(count in 2_u64..700, spread in prop_oneof![Just(0.0), 0.0..0.2_f64, 0.5..2.0_f64]) {

@@ -27,5 +27,6 @@ mod sensors;
 mod settling;
 mod shots;
 mod simbenchmark;
+mod sleep;
 mod thin_bodies;
 mod towers;

@@ -12,10 +12,10 @@ use hecs::World;
 use tumble::math::Vec3;
 use tumble::prelude::*;
 use tumble_tests::touching::{closed_box, spawn, surfaced};
-use tumble_tests::{Draw, dvec3, quat, real, vec3};
+use tumble_tests::{Draw, cases, dvec3, quat, real, vec3};
 
 fn shots() -> u64 {
-    std::env::var("TUMBLE_SHOTS").ok().and_then(|count| count.parse().ok()).unwrap_or(300)
+    std::env::var("TUMBLE_SHOTS").ok().and_then(|count| count.parse().ok()).unwrap_or_else(|| u64::from(cases(200)))
 }
 
 const KINDS: [&str; 6] = ["ball", "box", "rod", "can", "hull", "dumbbell"];

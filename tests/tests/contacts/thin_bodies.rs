@@ -15,7 +15,7 @@ use hecs::{Entity, World};
 use tumble::math::{Quat, Vec3};
 use tumble::prelude::*;
 use tumble::{Collider, Mass, Material};
-use tumble_tests::{Draw, dvec3, real};
+use tumble_tests::{Draw, cases, dvec3, real};
 
 const GRAVITY: f64 = 9.81;
 
@@ -25,7 +25,7 @@ fn direction(draw: &mut Draw) -> Vec3 {
 }
 
 fn drops() -> u64 {
-    std::env::var("TUMBLE_DROPS").ok().and_then(|count| count.parse().ok()).unwrap_or(600)
+    std::env::var("TUMBLE_DROPS").ok().and_then(|count| count.parse().ok()).unwrap_or_else(|| u64::from(cases(600)))
 }
 
 /// A plane, or the top of a box.

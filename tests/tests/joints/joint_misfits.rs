@@ -16,7 +16,7 @@ use hecs::Entity;
 use tumble::math::Real;
 use tumble::{Cone, Gain, Joint, JointFriction, JointLoad, Limit, Limits, Mass, Momentum, RigidBody, Shape, Totals};
 use tumble_tests::references::real_quat;
-use tumble_tests::{Draw, EPSILON, by_precision};
+use tumble_tests::{Draw, EPSILON, by_precision, cases};
 
 /// How fast a joint that does not fit is closed [m/s].
 const CLOSING_SPEED: f64 = 3.0;
@@ -176,9 +176,10 @@ fn outcome(case: u64, make: fn(&mut Draw, f64) -> Case, misfit: f64) -> Outcome 
 
 /// In 60 cases of each size of misfit.
 fn check(name: &str, make: fn(&mut Draw, f64) -> Case, misfits: &[f64], most_gain: f64) {
-    let parts_of_fit: Vec<_> = (0..60).map(|case| outcome(case, make, 0.0).parts).collect();
+    let count = u64::from(cases(60));
+    let parts_of_fit: Vec<_> = (0..count).map(|case| outcome(case, make, 0.0).parts).collect();
     for &misfit in misfits {
-        let mut all: Vec<_> = (0..60).map(|case| outcome(case, make, misfit)).collect();
+        let mut all: Vec<_> = (0..count).map(|case| outcome(case, make, misfit)).collect();
         all.sort_by(|a, b| a.gain.total_cmp(&b.gain));
         let most = |of: fn(&Outcome) -> f64| all.iter().map(of).fold(0.0, f64::max);
         let (gap, momentum, parts) = (most(|it| it.gap), most(|it| it.momentum), most(|it| it.parts));
@@ -264,7 +265,7 @@ fn friction_beside_bounds(case: u64) -> f64 {
 
 #[test]
 fn friction_beside_bounds_gains_nothing() {
-    let gains: Vec<_> = (0..300).map(friction_beside_bounds).collect();
+    let gains: Vec<_> = (0..u64::from(cases(300))).map(friction_beside_bounds).collect();
     let worst = gains.iter().copied().fold(0.0, f64::max);
     println!("friction beside bounds gains {worst:.1e} of the energy");
     assert!(worst < 1e-3, "{worst:e} in {:?}", gains.iter().position(|gain| *gain == worst));

@@ -15,7 +15,7 @@ use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{Axes, Collider, Joint, JointError, JointLoad, Material, Momentum, Pose, RigidBody, Shape};
 use tumble_tests::touching::{ground, pose};
-use tumble_tests::{Draw, EPSILON, by_precision, dquat, dvec3, run};
+use tumble_tests::{Draw, EPSILON, by_precision, cases, dquat, dvec3, run};
 
 use crate::mechanisms::{Class, KINDS, Mechanism, fly_free, mechanism, scale, simulation, totals, vector};
 
@@ -68,7 +68,7 @@ fn spawn(mechanism: &Mechanism, world: &mut World) -> (Vec<Entity>, Vec<Entity>)
 fn random_mechanisms_keep_momentum_and_gain_no_energy() {
     let mut worst = 0.0_f64;
     let mut most_off = [0.0_f64; 2];
-    for case in 0..300 {
+    for case in 0..u64::from(cases(300)) {
         let mut draw = Draw::new(0x701, case);
         let size = draw.log_between(0.01, 100.0);
         let class = Class {

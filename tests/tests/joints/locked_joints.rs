@@ -16,7 +16,7 @@ use tumble::prelude::*;
 use tumble::{Axes, BodyOrder, Joint, LockedAxes, Totals};
 use tumble_benches::pool;
 use tumble_tests::touching::{collider, pose, surfaced, velocity};
-use tumble_tests::{Draw, by_precision, dquat, dvec3, hash, run};
+use tumble_tests::{Draw, by_precision, cases, dquat, dvec3, hash, run};
 
 fn real_quat(q: DQuat) -> Quat {
     Quat::from_xyzw(q.x as Real, q.y as Real, q.z as Real, q.w as Real).normalize()
@@ -185,7 +185,7 @@ fn what_flies_in_its_plane_keeps_its_momentum() {
 /// nothing along those, and no energy comes of it.
 #[test]
 fn locks_and_joints_of_all_kinds_make_no_energy() {
-    for case in 0..60 {
+    for case in 0..u64::from(cases(60)) {
         let mut draw = Draw::new(2372, case);
         let class = Class { loops: 0.2, size: draw.log_between(0.02, 5.0), mass_ratio: 100.0, ..Class::PLAIN };
         let made: Mechanism = mechanism(Class { speed: (9.81 * class.size).sqrt(), ..class }, &mut draw);
