@@ -141,11 +141,11 @@ impl Settings {
         Self { restitution_threshold, ..self }
     }
 
-    /// The same with bodies at rest left out of the steps.
+    /// The same with bodies at rest left out of the steps, or with `None` without.
     #[doc(alias = "can_sleep")]
     #[must_use]
-    pub fn with_sleep(self, sleep: Sleep) -> Self {
-        Self { sleep: Some(sleep), ..self }
+    pub fn with_sleep(self, sleep: impl Into<Option<Sleep>>) -> Self {
+        Self { sleep: sleep.into(), ..self }
     }
 
     /// Whether a simulation can run with these.

@@ -42,6 +42,9 @@ impl CollisionPipeline {
             return;
         };
         self.sleepers.rests.resize(self.body_index.len(), Rest::UNKNOWN);
+        if !self.sleepers.are_on() {
+            self.joint_marks.begin(joints);
+        }
         if self.sleepers.settings.replace(*settings).is_some_and(|before| before != *settings) {
             let all: Vec<Slot> = self.body_index.all().filter(|slot| self.sleepers.is_asleep(*slot)).collect();
             self.sleepers.disturbed.extend(all);
