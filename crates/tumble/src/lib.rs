@@ -231,8 +231,8 @@ pub mod prelude {
         Collider, ConstantWrench, ContactEvent, Damping, DebugView, Drag, Drive, Drives, ForceLaw, Frame, Gear,
         GravityMass, GravityScale, Hull, Inertia, Integrator, Joint, JointEvent, JointFriction, JointLoad, Ledger,
         Limit, Limits, LockedAxes, Magnus, Mass, Material, Momentum, Part, PointGravity, Pose, PreviousPose,
-        PrincipalAxes, Queries, QueryFilter, Ray, RayHit, RigidBody, SensorEvent, Settings, Shape, Simulation,
-        Sleep, Snapshot, Spring, SpringToPoint, Thruster, Velocity, Wind, Wrench, set_angular_velocity, set_linear_velocity,
+        PrincipalAxes, Queries, QueryFilter, Ray, RayHit, RigidBody, SensorEvent, Settings, Shape, Simulation, Sleep,
+        Snapshot, Spring, SpringToPoint, Thruster, Velocity, Wind, Wrench, set_angular_velocity, set_linear_velocity,
         set_velocity, spawn_bodies, spawn_ground,
     };
 }

@@ -109,7 +109,8 @@ fn waking_makes_no_energy() {
         let energy = |world: &World, simulation: &Simulation| {
             tumble::Totals::of(world, simulation.settings(), &BodyOrder::of(world)).energy()
         };
-        let scale: f64 = world.query::<(&Mass, &Momentum)>().iter().map(|(mass, _)| mass.kilograms()).map(f64::from).sum();
+        let scale: f64 =
+            world.query::<(&Mass, &Momentum)>().iter().map(|(mass, _)| mass.kilograms()).map(f64::from).sum();
         let mut last = energy(&world, &simulation);
         for _ in 0..6 {
             simulation.wake_all();
@@ -331,7 +332,8 @@ fn contacts_and_sensors_know_who_sleeps() {
     spawn_ground(&mut world);
     RigidBody::new(Shape::cuboid([3.0; 3])).fixed().sensor().build().unwrap().spawn(&mut world);
     let block = RigidBody::new(Shape::cuboid([0.5; 3])).mass(2.0);
-    let mut put = |level: u8| block.clone().position(Vec3::Y * (0.5 + Real::from(level))).build().unwrap().spawn(&mut world);
+    let mut put =
+        |level: u8| block.clone().position(Vec3::Y * (0.5 + Real::from(level))).build().unwrap().spawn(&mut world);
     let blocks: Vec<_> = (0..4).map(&mut put).collect();
     let mut simulation = Simulation::new(sleeping()).unwrap();
     simulation.step_many(&mut world, 20);
@@ -469,14 +471,19 @@ fn nothing_sleeps_that_would_move() {
                 0 => {
                     let shape = shape(&mut draw, size);
                     let place = draw.vector(size) + glam::DVec3::Y * 6.0 * size;
-                    bodies.push(spawn(&mut world, RigidBody::new(shape.clone()).density(900.0).position(vec3(place)), collider(&shape)));
+                    bodies.push(spawn(
+                        &mut world,
+                        RigidBody::new(shape.clone()).density(900.0).position(vec3(place)),
+                        collider(&shape),
+                    ));
                 }
                 1 if bodies.len() > 3 => {
                     world.despawn(body).unwrap();
                     bodies.swap_remove(which);
                 }
                 2 => {
-                    let push = draw.vector(3.0 * size.sqrt()) * f64::from(world.get::<&Mass>(body).unwrap().kilograms());
+                    let push =
+                        draw.vector(3.0 * size.sqrt()) * f64::from(world.get::<&Mass>(body).unwrap().kilograms());
                     world.get::<&mut Momentum>(body).unwrap().apply_impulse(vec3(push));
                 }
                 3 => world.get::<&mut Pose>(body).unwrap().position.y += real(size),

@@ -79,7 +79,10 @@ impl ColliderState {
     /// Its proxy in the broad phase, larger by `more` \[m\]. What senses is compared with what does
     /// not move, too.
     pub(crate) fn proxy(&self, geometry: &ColliderShape<Real>, more: Real, senses: bool) -> Proxy<Real> {
-        Proxy { aabb: geometry.aabb(&self.placement, self.reach + more), moves: self.is_dynamic || self.is_asleep || senses }
+        Proxy {
+            aabb: geometry.aabb(&self.placement, self.reach + more),
+            moves: self.is_dynamic || self.is_asleep || senses,
+        }
     }
 
     /// Known by its centre of mass alone.

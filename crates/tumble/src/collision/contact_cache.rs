@@ -169,10 +169,17 @@ impl CollisionPipeline {
     pub(crate) fn put_back(&mut self, saved: &SavedContacts, world: &World) {
         self.forget();
         let Self {
-            cache: ContactCache { body_keys, .. }, contacts: ContactSet { records, .. }, collider_states, sleepers, joint_marks, ..
+            cache: ContactCache { body_keys, .. },
+            contacts: ContactSet { records, .. },
+            collider_states,
+            sleepers,
+            joint_marks,
+            are_states_known,
+            ..
         } = self;
         sleepers.put_back(&saved.still);
         *joint_marks = JointMarks::default();
+        *are_states_known = false;
         body_keys.set(&saved.body_keys, world);
         records.extend_from_slice(&saved.contacts);
         records.retain(|contact| contact.slots.iter().all(|slot| body_keys.is_here(*slot)));

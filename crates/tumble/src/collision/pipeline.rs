@@ -43,6 +43,8 @@ pub(crate) struct CollisionPipeline {
     pub(crate) colliders: Colliders,
     /// In this substep.
     pub(crate) collider_states: ColliderStates,
+    /// Whether slots and colliders are those of the last substep, so that what sleeps is as it was.
+    pub(crate) are_states_known: bool,
     pub(crate) contacts: ContactSet,
     /// Kept from step to step.
     pub(crate) broad_phase: BroadPhase<Real>,
@@ -76,6 +78,8 @@ pub(crate) struct Colliders {
     /// Empty where there are no sensors.
     pub(crate) sensors: Vec<SensorRole>,
     pub(crate) materials: Materials,
+    /// Whether any was another before the last update.
+    are_changed: bool,
 }
 
 /// Contacts that one thread takes at a time.
@@ -106,7 +110,7 @@ impl Colliders {
     /// Reads the colliders of a world, and adds the slots of those that are others than they were.
     /// Returns whether pairs are filtered as before.
     fn update(&mut self, world: &World, body_index: &BodyIndex, changed: &mut Vec<Slot>) -> bool {
-        let Self { list, groups, sensors, materials } = self;
+        let Self { list, groups, sensors, materials, are_changed } = self;
         let mut is_same = list.len() == body_index.len();
         list.resize(body_index.len(), None);
         body_index.for_each_archetype(world, |archetype, places| {
@@ -124,6 +128,7 @@ impl Colliders {
                 }
             });
         });
+        *are_changed = !is_same;
         if is_same {
             return true;
         }
@@ -167,7 +172,19 @@ impl CollisionPipeline {
                 archetype.ids().iter().for_each(|id| mark(*id));
             }
         });
-        let Self { body_index, colliders, collider_states, contacts, broad_phase, cache, sensors, sleepers, hook, .. } = self;
+        let Self {
+            body_index,
+            colliders,
+            collider_states,
+            contacts,
+            broad_phase,
+            cache,
+            sensors,
+            sleepers,
+            hook,
+            are_states_known,
+            ..
+        } = self;
         let of_sleepers = &mut sleepers.contacts;
         let same_slots = cache.renumber(world, body_index, [&mut contacts.records, of_sleepers]);
         if !same_slots {
@@ -179,7 +196,11 @@ impl CollisionPipeline {
         }
         sleepers.disturbed.append(&mut cache.bereaved);
         let same_groups = colliders.update(world, body_index, &mut sleepers.disturbed);
-        [&mut contacts.records, &mut sleepers.contacts].into_iter().for_each(|it| cache.arrange(it, colliders));
+        cache.arrange(&mut contacts.records, colliders);
+        if !same_slots || colliders.are_changed {
+            cache.arrange(&mut sleepers.contacts, colliders);
+            *are_states_known = false;
+        }
         // A hook may ask for any of them, from step to step others.
         contacts.extras = if hook.is_some() { Extras::ALL } else { colliders.materials.extras() };
         if !(same_groups && same_slots) {

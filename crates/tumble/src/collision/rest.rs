@@ -109,15 +109,17 @@ impl CollisionPipeline {
             for (row, slot) in body_index.slots_in(archetype).iter().enumerate() {
                 let is_asleep = sleepers.is_asleep(*slot);
                 let rest = &mut sleepers.rests[slot.index()];
-                let before = *rest;
-                *rest = Rest { still: before.still, ..Rest::of(&chunk, row, colliders.get(*slot), sleep) };
                 let is_pulled = !laws.is_empty() || is_pulled(body_index.key(*slot).2);
                 if is_asleep {
-                    if is_pulled || before.differs(rest) || is_pushed(&chunk, row) {
+                    if rest.pose.is_none() {
+                        *rest = Rest::of(&chunk, row, colliders.get(*slot), sleep);
+                    }
+                    if is_pulled || rest.differs(&chunk, row) || is_pushed(&chunk, row) {
                         disturbed.push(*slot);
                     }
                     continue;
                 }
+                *rest = Rest { still: rest.still, ..Rest::of(&chunk, row, colliders.get(*slot), sleep) };
                 let is_free = !is_pulled && chunk.wrench[row] == Wrench::default();
                 let is_still = is_free && is_slow(&chunk, row, colliders.get(*slot), rest.least_speed);
                 rest.still = if is_still { (rest.still + settings.dt).min(sleep.time) } else { 0.0 };
@@ -214,16 +216,21 @@ impl CollisionPipeline {
 
 impl Rest {
     fn of(chunk: &Chunk<'_>, row: usize, collider: Option<&(Collider, WorldVec3)>, sleep: &Sleep) -> Self {
-        let (mass, scale) = (chunk.mass[row].kilograms(), chunk.gravity_scale.map_or(1.0, |scales| scales[row].0));
         let least_speed = sleep.speed_of(radius_of(chunk, row, collider));
-        let least_momentum = mass * least_speed;
-        Self { pose: Some(chunk.pose[row]), weight: mass * scale, least_momentum, least_speed, still: 0.0 }
+        let least_momentum = chunk.mass[row].kilograms() * least_speed;
+        let weight = weight_of(chunk, row);
+        Self { pose: Some(chunk.pose[row]), weight, least_momentum, least_speed, still: 0.0 }
     }
 
     /// Whether a sleeping body is not what it was.
-    fn differs(&self, now: &Self) -> bool {
-        self.pose.is_some() && (self.pose != now.pose || self.weight != now.weight)
+    fn differs(&self, chunk: &Chunk<'_>, row: usize) -> bool {
+        self.pose != Some(chunk.pose[row]) || self.weight != weight_of(chunk, row)
     }
+}
+
+/// Mass by scale of gravity \[kg\].
+fn weight_of(chunk: &Chunk<'_>, row: usize) -> Real {
+    chunk.mass[row].kilograms() * chunk.gravity_scale.map_or(1.0, |scales| scales[row].0)
 }
 
 /// Whether a body was given a momentum or a force.

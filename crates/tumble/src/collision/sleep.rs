@@ -47,7 +47,8 @@ pub(crate) struct Rest {
 }
 
 impl Rest {
-    pub(crate) const UNKNOWN: Self = Self { pose: None, weight: 0.0, least_momentum: 0.0, least_speed: 0.0, still: 0.0 };
+    pub(crate) const UNKNOWN: Self =
+        Self { pose: None, weight: 0.0, least_momentum: 0.0, least_speed: 0.0, still: 0.0 };
 }
 
 /// In the place of the time for which a body has been still, if it sleeps.
@@ -147,8 +148,7 @@ impl Sleepers {
             wakes[islands.root(*slot).index()] = true;
         }
         let all = (0..asleep.len() as u32).map(Slot);
-        let woken: Vec<Slot> =
-            all.filter(|slot| is_asleep(*slot) && wakes[islands.root(*slot).index()]).collect();
+        let woken: Vec<Slot> = all.filter(|slot| is_asleep(*slot) && wakes[islands.root(*slot).index()]).collect();
         for slot in &woken {
             asleep[slot.index()] = false;
             rests[slot.index()].still = 0.0;

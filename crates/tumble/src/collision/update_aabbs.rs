@@ -21,12 +21,24 @@ impl CollisionPipeline {
     /// Reads where all bodies with colliders are, how far from there they may go in an interval,
     /// and how they go on in the one that the solver looks ahead.
     pub(crate) fn update_aabbs(&mut self, columns: &WorldColumns<'_>, intervals: Intervals) {
-        let Self { body_index, collider_states: ColliderStates { states, proxies, lanes }, colliders, sleepers, .. } = self;
-        lanes.reset(body_index.len());
-        states.clear();
-        states.resize(body_index.len(), ColliderState::NOWHERE);
-        proxies.clear();
-        proxies.resize(body_index.len(), ColliderState::no_proxy());
+        let Self {
+            body_index,
+            collider_states: ColliderStates { states, proxies, lanes },
+            colliders,
+            sleepers,
+            are_states_known,
+            ..
+        } = self;
+        let count = body_index.len();
+        let keeps = *are_states_known && states.len() == count && !sleepers.mask().is_empty();
+        if !keeps {
+            lanes.reset(count);
+            states.clear();
+            states.resize(count, ColliderState::NOWHERE);
+            proxies.clear();
+            proxies.resize(count, ColliderState::no_proxy());
+        }
+        *are_states_known = true;
         for (archetype, bodies) in columns.pose_views() {
             let mut row = 0;
             // Slots go by another order than rows, mostly the same.
@@ -99,6 +111,11 @@ impl AabbUpdate<'_> {
     }
 
     fn update(&mut self, i: usize, bodies: PoseView<'_>, Intervals { interval, ahead: ahead_of, drop }: Intervals) {
+        let is_asleep = self.asleep.get(i).is_some_and(|it| *it);
+        if is_asleep && self.states[i].is_asleep {
+            // It is where it was.
+            return;
+        }
         let Some((collider, offset)) = &self.colliders[i] else { return };
         let center = Vec3::from(bodies.pose[i].position);
         let orientation = Quat::from(bodies.pose[i].orientation).normalize();
@@ -111,7 +128,6 @@ impl AabbUpdate<'_> {
         let from_center = placement.position - center;
         let radius = geometry.reach().unwrap_or(0.0) + from_center.dot(from_center).sqrt();
         let ccd_thickness = geometry.ccd_thickness();
-        let is_asleep = self.asleep.get(i).is_some_and(|it| *it);
         let is_dynamic = bodies.dynamic.is_some() && !is_asleep;
         let margin = if bodies.dynamic.is_some() { (MARGIN_SHARE * ccd_thickness).min(MAX_MARGIN) } else { 0.0 };
         let mut motion = Motion { radius, ..Motion::NONE };

@@ -74,7 +74,14 @@ impl Work {
     /// By all of them \[J\].
     pub fn total(&self) -> f64 {
         let of_forces = self.forces.iter().sum::<f64>() + self.laws.iter().sum::<f64>();
-        self.gravity + self.applied + self.damping + self.contacts + self.joints + self.sleep + self.integrator + of_forces
+        self.gravity
+            + self.applied
+            + self.damping
+            + self.contacts
+            + self.joints
+            + self.sleep
+            + self.integrator
+            + of_forces
     }
 
     /// By a kind of force component, by its name: `"Drag"`. `None` where no kind is called so.
