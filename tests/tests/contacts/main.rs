@@ -28,5 +28,6 @@ mod settling;
 mod shots;
 mod simbenchmark;
 mod sleep;
+mod sleep_repeats;
 mod thin_bodies;
 mod towers;

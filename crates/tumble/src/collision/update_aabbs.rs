@@ -8,7 +8,7 @@ use crate::collision::collider_state::{ColliderState, ColliderStates, Motion};
 use crate::collision::narrow_phase::{LaneKind, ShapeLanesPart};
 use crate::collision::near_pairs::SensorRole;
 use crate::collision::pipeline::CollisionPipeline;
-use crate::components::{GravityScale, Momentum, Velocity};
+use crate::components::{GravityScale, Momentum, Pose, Velocity};
 use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, Moments};
 use crate::math::{Real, Vec3 as WorldVec3};
@@ -110,8 +110,12 @@ impl AabbUpdate<'_> {
         );
     }
 
+    fn is_asleep(&self, i: usize) -> bool {
+        self.asleep.get(i).is_some_and(|it| *it)
+    }
+
     fn update(&mut self, i: usize, bodies: PoseView<'_>, Intervals { interval, ahead: ahead_of, drop }: Intervals) {
-        let is_asleep = self.asleep.get(i).is_some_and(|it| *it);
+        let is_asleep = self.is_asleep(i);
         if is_asleep && self.states[i].is_asleep {
             // It is where it was.
             return;
@@ -123,8 +127,7 @@ impl AabbUpdate<'_> {
         let mut placement = collider.placement(Isometry { position, orientation });
         let velocity = bodies.velocity.map_or(Velocity::default(), |velocities| velocities[i]);
         let geometry = collider.geometry();
-        let turned = (0.25..=4.0).contains(&bodies.pose[i].orientation.length_squared());
-        let place = turned && [placement.position, center].into_iter().all(|at| within(at, MAX_DISTANCE_OF_CONTACTS));
+        let place = is_somewhere(&bodies.pose[i], [placement.position, center]);
         let from_center = placement.position - center;
         let radius = geometry.reach().unwrap_or(0.0) + from_center.dot(from_center).sqrt();
         let ccd_thickness = geometry.ccd_thickness();
@@ -159,21 +162,11 @@ impl AabbUpdate<'_> {
         let way = linear.length() * interval;
         let reach = margin + ahead(way) + fall;
         self.lanes.set(i, geometry, &placement, center, (reach, margin));
-        let velocity = (velocity.linear.into(), velocity.angular.into());
+        let (velocity, half_thickness) = ((velocity.linear.into(), velocity.angular.into()), ccd_thickness);
         let is_fixed = bodies.dynamic.is_none() && bodies.velocity.is_none();
-        self.states[i] = ColliderState {
-            placement,
-            center,
-            kind,
-            is_dynamic,
-            is_fixed,
-            is_asleep,
-            reach,
-            margin,
-            half_thickness: ccd_thickness,
-            velocity,
-            motion,
-        };
+        let awake =
+            ColliderState { placement, center, kind, is_dynamic, is_fixed, half_thickness, ..ColliderState::NOWHERE };
+        self.states[i] = ColliderState { is_asleep, reach, margin, velocity, motion, ..awake };
         // Sensors look all of the way ahead, and at what turns.
         let more = if self.sensors.is_empty() { 0.0 } else { sensed_ahead(way, &motion) };
         let senses = self.sensors.get(i).is_some_and(|role| role.has_sensor);
@@ -192,6 +185,12 @@ const THIN: Real = 5.0;
 /// A body whose furthest points turn by less than this part of its margin does not turn, for
 /// speculative contacts.
 const TURNED: Real = 0.25;
+
+/// Whether a body stands and is where contacts can be found.
+fn is_somewhere(pose: &Pose, places: [Vec3<Real>; 2]) -> bool {
+    let turned = (0.25..=4.0).contains(&pose.orientation.length_squared());
+    turned && places.into_iter().all(|at| within(at, MAX_DISTANCE_OF_CONTACTS))
+}
 
 fn scale_of(scales: Option<&[GravityScale]>, i: usize) -> Real {
     scales.map_or(1.0, |scales| scales[i].0)
