@@ -43,7 +43,7 @@ impl History {
         let kinds = if self.works { self.working_kinds() } else { Vec::new() };
         write!(to, "step,time,linear_kinetic,rotational_kinetic,potential,force_potential,energy,px,py,pz,lx,ly,lz")?;
         if self.works {
-            write!(to, ",work_gravity,work_applied,work_damping,work_contacts,work_joints,work_integrator")?;
+            write!(to, ",work_gravity,work_applied,work_damping,work_contacts,work_joints,work_sleep,work_integrator")?;
         }
         for kind in &kinds {
             write!(to, ",work_{}", snake_case(ForceLaws::COMPONENTS[*kind]))?;
@@ -56,8 +56,8 @@ impl History {
             let mut numbers = vec![entry.time, totals.linear_kinetic, totals.rotational_kinetic, totals.potential];
             numbers.extend([totals.force_potential, entry.energy(), px, py, pz, lx, ly, lz]);
             if self.works {
-                let Work { gravity, applied, damping, contacts, joints, integrator, .. } = *work;
-                numbers.extend([gravity, applied, damping, contacts, joints, integrator]);
+                let Work { gravity, applied, damping, contacts, joints, sleep, integrator, .. } = *work;
+                numbers.extend([gravity, applied, damping, contacts, joints, sleep, integrator]);
             }
             numbers.extend(kinds.iter().map(|kind| work.forces[*kind]));
             write!(to, "{}", entry.step)?;

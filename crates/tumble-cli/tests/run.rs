@@ -118,7 +118,7 @@ fn last_of_ledger(place: &Place) -> (Vec<String>, std::collections::HashMap<Stri
 fn the_ledger_has_a_column_for_each_kind_of_force_that_worked() {
     let place = Place::new();
     let common = "step time linear_kinetic rotational_kinetic potential force_potential energy px py pz lx ly lz";
-    let works = "work_gravity work_applied work_damping work_contacts work_joints work_integrator";
+    let works = "work_gravity work_applied work_damping work_contacts work_joints work_sleep work_integrator";
     place.write("scene.json", SCENE);
     place.succeed(&["run", "scene.json", "--report", "report"]);
     assert_eq!(last_of_ledger(&place).0.join(" "), format!("{common} {works}"));

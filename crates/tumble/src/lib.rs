@@ -162,7 +162,7 @@ pub use queries::hits::RayHit;
 pub use queries::query_filter::QueryFilter;
 pub use queries::ray::Ray;
 pub use queries::world_queries::Queries;
-pub use settings::{Settings, SettingsError};
+pub use settings::{Settings, SettingsError, Sleep};
 #[doc(inline)]
 pub use snapshot::Snapshot;
 pub use snapshot::error::SnapshotError;
@@ -231,7 +231,7 @@ pub mod prelude {
         Collider, ConstantWrench, ContactEvent, Damping, DebugView, Drag, Drive, Drives, ForceLaw, Frame, Gear,
         GravityMass, GravityScale, Hull, Inertia, Integrator, Joint, JointEvent, JointFriction, JointLoad, Ledger,
         Limit, Limits, LockedAxes, Magnus, Mass, Material, Momentum, Part, PointGravity, Pose, PreviousPose,
-        PrincipalAxes, Queries, QueryFilter, Ray, RayHit, RigidBody, SensorEvent, Settings, Shape, Simulation,
+        PrincipalAxes, Queries, QueryFilter, Ray, RayHit, RigidBody, SensorEvent, Settings, Shape, Simulation, Sleep,
         Snapshot, Spring, SpringToPoint, Thruster, Velocity, Wind, Wrench, set_angular_velocity, set_linear_velocity,
         set_velocity, spawn_bodies, spawn_ground,
     };

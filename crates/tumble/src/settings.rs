@@ -31,6 +31,55 @@ pub struct Settings {
     /// Bodies that come together slower than this \[m/s\] do not bounce, whatever their
     /// restitution: they would never come to rest. 1 unless set.
     pub restitution_threshold: Real,
+    /// When bodies at rest are left out of the steps. `None` unless set: none is.
+    pub sleep: Option<Sleep>,
+}
+
+/// When bodies at rest fall asleep: they are left out of the steps until something disturbs them.
+///
+/// Bodies that hang together by contacts or joints fall asleep at once, when all of them have been
+/// still for `time`. A body is still while none of its points is faster than `speed`, nor than a
+/// fifth of its radius a second, and nothing that moves by itself touches it. Bodies under force
+/// laws, springs or mutual gravity do not sleep, nor those that nothing holds and that move.
+///
+/// ```
+/// use tumble::{Sleep, prelude::*};
+///
+/// let mut world = hecs::World::new();
+/// spawn_ground(&mut world);
+/// let block = RigidBody::new(Shape::cuboid([0.5, 0.5, 0.5])).mass(2.0).position(Vec3::Y * 0.5);
+/// let block = block.build()?.spawn(&mut world);
+/// let mut simulation = Simulation::new(Settings::default().with_sleep(Sleep::default()))?;
+/// simulation.step_many(&mut world, 60);
+/// assert!(simulation.is_asleep(block));
+/// world.get::<&mut Momentum>(block)?.apply_impulse(Vec3::X * 4.0);
+/// simulation.step(&mut world);
+/// assert!(!simulation.is_asleep(block));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[doc(alias("can_sleep", "deactivation", "IslandManager"))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sleep {
+    /// The fastest point of a body that is still \[m/s\]. 0.05 unless set.
+    pub speed: Real,
+    /// How long bodies are still before they fall asleep \[s\]. 0.5 unless set.
+    pub time: Real,
+}
+
+impl Default for Sleep {
+    fn default() -> Self {
+        Self { speed: 0.05, time: 0.5 }
+    }
+}
+
+impl Sleep {
+    /// The most of its radius that a point of a still body goes in a second.
+    const RADII: Real = 0.2;
+
+    /// How fast the points of a still body of a radius \[m\] may be \[m/s\].
+    pub(crate) fn speed_of(&self, radius: Real) -> Real {
+        self.speed.min(Self::RADII * radius)
+    }
 }
 
 impl Default for Settings {
@@ -42,6 +91,7 @@ impl Default for Settings {
             integrator: Integrator::default(),
             contact_substeps: 4,
             restitution_threshold: 1.0,
+            sleep: None,
         }
     }
 }
@@ -91,6 +141,13 @@ impl Settings {
         Self { restitution_threshold, ..self }
     }
 
+    /// The same with bodies at rest left out of the steps, or with `None` without.
+    #[doc(alias = "can_sleep")]
+    #[must_use]
+    pub fn with_sleep(self, sleep: impl Into<Option<Sleep>>) -> Self {
+        Self { sleep: sleep.into(), ..self }
+    }
+
     /// Whether a simulation can run with these.
     ///
     /// # Errors
@@ -116,6 +173,14 @@ impl Settings {
         }
         if !(0.0..=MAX_SPEED).contains(&self.restitution_threshold) {
             return Err(SettingsError::RestitutionThreshold(self.restitution_threshold));
+        }
+        if let Some(Sleep { speed, time }) = self.sleep {
+            if !(0.0..=MAX_SPEED).contains(&speed) {
+                return Err(SettingsError::SleepSpeed(speed));
+            }
+            if !SECONDS.contains(&time) {
+                return Err(SettingsError::SleepTime(time));
+            }
         }
         Ok(())
     }
@@ -169,6 +234,12 @@ pub enum SettingsError {
     /// The speed below which nothing bounces is not from 0 to 1e9 m/s.
     #[error("the restitution threshold must be from 0 to 1e9 m/s, got {0}")]
     RestitutionThreshold(Real),
+    /// The speed below which bodies are still is not from 0 to 1e9 m/s.
+    #[error("the speed of sleep must be from 0 to 1e9 m/s, got {0}")]
+    SleepSpeed(Real),
+    /// The time after which bodies fall asleep is not from 1e-9 to 1e9 seconds.
+    #[error("the time of sleep must be from 1e-9 to 1e9 seconds, got {0:e}")]
+    SleepTime(Real),
 }
 
 tumble_math::debug_as_display!(SettingsError);
@@ -190,6 +261,8 @@ impl SettingsError {
             Self::Substeps(_) => "substeps",
             Self::ContactSubsteps(_) => "contact_substeps",
             Self::RestitutionThreshold(_) => "restitution_threshold",
+            Self::SleepSpeed(_) => "sleep.speed",
+            Self::SleepTime(_) => "sleep.time",
         }
     }
 }

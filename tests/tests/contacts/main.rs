@@ -27,5 +27,7 @@ mod sensors;
 mod settling;
 mod shots;
 mod simbenchmark;
+mod sleep;
+mod sleep_repeats;
 mod thin_bodies;
 mod towers;

@@ -16,8 +16,8 @@ pub(crate) struct SweepParameter {
 }
 
 /// What a path begins with. A name of a body may have a comma in it, which parts no fields.
-const ROOTS: [&str; 8] =
-    ["bodies", "joints", "gravity", "dt", "steps", "substeps", "contact_substeps", "restitution_threshold"];
+const ROOTS: [&str; 9] =
+    ["bodies", "joints", "gravity", "dt", "steps", "substeps", "contact_substeps", "restitution_threshold", "sleep"];
 
 impl FromStr for SweepParameter {
     type Err = String;

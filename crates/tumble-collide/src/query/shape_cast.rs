@@ -7,7 +7,7 @@ use crate::query::line::Line;
 use crate::query::overlap::around;
 use crate::query::ray::Ray;
 use crate::scalar::Scalar;
-use crate::support_map::{Convex, Vector};
+use crate::support_map::{Convex, Vector, unit};
 use crate::surface::Surface;
 
 /// A way is gone in at most this number of advances.
@@ -153,6 +153,28 @@ fn meet(
     None
 }
 
+/// Whether a convex shape with a layer that goes along a line up to a distance may get nearer than
+/// `slack` \[m\] to the plane of a triangle.
+fn may_reach(
+    [a, b, c]: &[Vector; 3],
+    (convex, layer): (Convex<'_>, f64),
+    place: &Isometry<f64>,
+    (line, most): (&Line, f64),
+    slack: f64,
+) -> bool {
+    let normal = unit((*b - *a).cross(*c - *a));
+    if normal.dot(normal) == 0.0 {
+        return true;
+    }
+    let height = |way: f64| {
+        let furthest = convex.support(place.orientation.rotate_back(normal * way));
+        normal.dot(place.to_world(furthest) - *a) + layer * way
+    };
+    let (low, high, rate) = (height(-1.0), height(1.0), normal.dot(line.along) * most);
+    let slack = slack + 2.0 * TOUCHING * most;
+    low.min(low + rate) <= slack && high.max(high + rate) >= -slack
+}
+
 /// The first meeting of a surface and a convex shape, of which one is moved, triangle by triangle.
 fn on_surface<R: Scalar>(
     surface: &impl Surface,
@@ -177,6 +199,9 @@ fn on_surface<R: Scalar>(
     let mut first: Option<ShapeCastHit> = None;
     surface.along(&line, half, ray.max_distance(), &mut |triangle| {
         let most = first.map_or(ray.max_distance(), |first| first.distance);
+        if !may_reach(&surface.triangle(triangle), convex, &local, (&line, most), slack) {
+            return most;
+        }
         let (shape, ray) = ((Convex::Triangle(surface.triangle(triangle)), 0.0), ray.shortened(most));
         let hit =
             if is_moved { meet(convex, place, shape, ground, &ray) } else { meet(shape, ground, convex, place, &ray) };

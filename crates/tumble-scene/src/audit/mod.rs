@@ -20,7 +20,8 @@ use crate::builtin::stress::DEFAULT_BODIES;
 use crate::convert::forces::Others;
 use crate::error::{SceneError, invalid};
 use crate::model::scene_model::SceneModel;
-use crate::scene::{duplicates, is_path, is_urdf, load_model, settings, stress_bodies, unknown};
+use crate::scene::settings::settings;
+use crate::scene::{duplicates, is_path, is_urdf, load_model, stress_bodies, unknown};
 use crate::values::axes::named_axes;
 use crate::{builtin, convert};
 

@@ -47,7 +47,7 @@ enum Slot<'a> {
     Count64(&'a mut u64),
 }
 
-const OF_A_SCENE: &str = "gravity.0 to gravity.2, dt, steps, substeps, contact_substeps, restitution_threshold, bodies.INDEX_OR_NAME.FIELD and joints.INDEX_OR_NAME.FIELD";
+const OF_A_SCENE: &str = "gravity.0 to gravity.2, dt, steps, substeps, contact_substeps, restitution_threshold, sleep.speed, sleep.time, bodies.INDEX_OR_NAME.FIELD and joints.INDEX_OR_NAME.FIELD";
 const OF_A_BODY: &str = "mass, density, gravity_scale, position.I, orientation.I, orientation.angle, orientation.axis.I, linear_velocity.I, \
      angular_velocity.I, center_of_mass.I, inertia.principal.I, inertia.axes.I, inertia.tensor.I.J, shape.FIELD, collider.FIELD and forces.I.FIELD";
 
@@ -145,6 +145,7 @@ impl FieldPath {
             ["substeps"] => Some(Slot::Count32(scene.substeps.get_or_insert(0))),
             ["contact_substeps"] => Some(Slot::Count32(scene.contact_substeps.get_or_insert(0))),
             ["restitution_threshold"] => Some(Slot::Real(scene.restitution_threshold.get_or_insert(0.0))),
+            ["sleep", field] => scene.sleep.get_or_insert_default().number(field).map(Slot::Real),
             _ => None,
         };
         slot.ok_or_else(|| self.unknown("the scene", OF_A_SCENE))?.set(value).map_err(|problem| self.error(problem))
@@ -358,7 +359,7 @@ mod tests {
              bodies.0.shape.parts.0.orientation.1 bodies.0.forces.0.gravity_scale bodies.0.forces.1.damping.linear \
              bodies.0.forces.1.damping.angular bodies.a.b[1].shape.cone.radius bodies.1.shape.half_height \
              bodies.1.inertia.tensor.1.1 bodies.body-2.inertia.principal.0 bodies.2.inertia.axes.3 bodies.2.shape.radii.1 \
-             bodies.2.center_of_mass.1 bodies.2.orientation.angle bodies.2.orientation.axis.1 bodies.1.orientation.angle contact_substeps restitution_threshold bodies.2.collider.friction \
+             bodies.2.center_of_mass.1 bodies.2.orientation.angle bodies.2.orientation.axis.1 bodies.1.orientation.angle contact_substeps restitution_threshold sleep.speed sleep.time bodies.2.collider.friction \
              bodies.2.collider.restitution bodies.2.collider.rolling_resistance bodies.3.collider.static_friction \
              bodies.3.collider.dynamic_friction bodies.3.collider.surface_velocity.2 bodies.3.shape.half_space.normal.0 bodies.3.shape.normal.2 \
              bodies.4.shape.height_field.heights.1.0 bodies.4.shape.heights[0][1] bodies.4.shape.spacing.1 \

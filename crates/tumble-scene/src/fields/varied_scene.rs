@@ -19,7 +19,7 @@ use crate::fields::scene_template::{RunLength, RunOverrides, SceneTemplate};
 use crate::limits::steps_of_duration;
 use crate::model::joint_model::JointModel;
 use crate::model::scene_model::{BodyModel, SceneModel};
-use crate::scene::settings;
+use crate::scene::settings::settings;
 
 /// A scene with fields that differ from world to world.
 ///

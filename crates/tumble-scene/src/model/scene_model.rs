@@ -31,6 +31,7 @@ pub(crate) struct SceneModel {
     pub(crate) integrator: Option<String>,
     pub(crate) contact_substeps: Option<u32>,
     pub(crate) restitution_threshold: Option<f64>,
+    pub(crate) sleep: Option<SleepModel>,
     #[serde(default, deserialize_with = "bodies")]
     pub(crate) bodies: Vec<BodyModel>,
     #[serde(default, deserialize_with = "joints")]
@@ -59,7 +60,27 @@ impl SceneModel {
             integrator: self.integrator.clone(),
             contact_substeps: self.contact_substeps,
             restitution_threshold: self.restitution_threshold,
+            sleep: self.sleep.clone(),
             ..Self::default()
+        }
+    }
+}
+
+/// When bodies at rest are left out of the steps.
+#[derive(Clone, Debug, Default, serde::Deserialize)]
+#[serde(deny_unknown_fields, rename = "Sleep", expecting = "an object with speed and time")]
+pub(crate) struct SleepModel {
+    pub(crate) speed: Option<f64>,
+    pub(crate) time: Option<f64>,
+}
+
+impl SleepModel {
+    /// A number by its name.
+    pub(crate) fn number(&mut self, name: &str) -> Option<&mut f64> {
+        match name {
+            "speed" => Some(self.speed.get_or_insert(0.0)),
+            "time" => Some(self.time.get_or_insert(0.0)),
+            _ => None,
         }
     }
 }

@@ -1,13 +1,13 @@
 //! A scene: settings, bodies and their names.
 
 pub(crate) mod body_names;
+pub(crate) mod settings;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use hecs::World;
 use tumble::{BodyError, BodyId, Settings};
-use tumble_import::checked::{finite, real, real_vector};
 use tumble_import::gltf::{GltfBodies, GltfBody};
 use tumble_import::{
     Appearance, FieldError, ImportedCollider, ImportedJoint, InertiaRepairs, MeshFormat, Robot, Scope, one_line,
@@ -21,11 +21,11 @@ use crate::builtin::stress::StressBodies;
 use crate::builtin::{builtin_names, contact_scenes, nearest_builtin, stress};
 use crate::convert::forces::Others;
 use crate::error::{SceneError, invalid};
-use crate::limits::{MAX_BODIES, step_count, time_step};
+use crate::limits::MAX_BODIES;
 use crate::model::parse::{Format, parse};
 use crate::model::scene_model::SceneModel;
 use crate::scene::body_names::BodyNames;
-use crate::values::checked::finite_triple;
+use crate::scene::settings::settings;
 use crate::{builtin, convert};
 
 /// Steps of a scene that does not say how many.
@@ -456,34 +456,6 @@ pub(crate) fn stress_bodies(count: usize, seed: u64) -> impl Iterator<Item = Res
     };
     let bodies = StressBodies::new(count, seed).enumerate();
     bodies.map(move |(index, body)| body.map_err(|error| impossible(index, &error)))
-}
-
-/// Settings and number of steps.
-pub(crate) fn settings(model: &SceneModel) -> Result<(Settings, u64), FieldError> {
-    let mut settings = Settings::default();
-    if let Some(gravity) = &model.gravity {
-        settings = settings.with_gravity(real_vector(finite_triple("gravity", gravity)?));
-    }
-    if let Some(dt) = model.dt {
-        settings = settings.with_dt(time_step(dt).map_err(|problem| FieldError::new("dt", problem))?);
-    }
-    if let Some(substeps) = model.substeps {
-        settings = settings.with_substeps(substeps);
-    }
-    if let Some(integrator) = &model.integrator {
-        let integrator = integrator.parse().map_err(|error| FieldError::new("integrator", error))?;
-        settings = settings.with_integrator(integrator);
-    }
-    if let Some(substeps) = model.contact_substeps {
-        settings = settings.with_contact_substeps(substeps);
-    }
-    if let Some(speed) = model.restitution_threshold {
-        let speed = finite("restitution_threshold", speed)?;
-        settings = settings.with_restitution_threshold(real(speed));
-    }
-    settings.validate().map_err(|error| FieldError::new(error.field(), error))?;
-    let steps = step_count(model.steps.unwrap_or(DEFAULT_STEPS));
-    Ok((settings, steps.map_err(|problem| FieldError::new("steps", problem))?))
 }
 
 /// Every body whose name an earlier one has, with the complaint.

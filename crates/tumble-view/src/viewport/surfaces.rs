@@ -9,6 +9,9 @@ use crate::framing;
 use crate::gpu::BodyInstance;
 use crate::viewport::{SEEN, Viewport};
 
+/// How bright a body that sleeps is, of what it is otherwise.
+const ASLEEP: f32 = 0.35;
+
 impl Viewport {
     /// The bodies that cast shadows, as the balls around them.
     pub(super) fn shadow_casters<'a>(
@@ -40,7 +43,8 @@ impl Viewport {
                 (true, _) => -SEEN * self.start.radius / view.unit,
                 (false, picked) => f64::from(u8::from(picked)),
             } as f32;
-            let [red, green, blue] = body.color;
+            let is_asleep = self.playback.simulation.is_asleep(body.entity);
+            let [red, green, blue] = body.color.map(|part| if is_asleep { ASLEEP * part } else { part });
             for piece in &body.pieces {
                 if let Some(instances) = by_surface.get_mut(piece.surface) {
                     let origin = placed.origin + placed.rotation * piece.position * enlarged;

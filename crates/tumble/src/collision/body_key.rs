@@ -68,8 +68,8 @@ impl BodyKeys {
         &mut self,
         world: &World,
         body_index: &BodyIndex,
-        contacts: &mut Vec<ContactRecord>,
-        ended: &mut Vec<EndedPair>,
+        contacts: [&mut Vec<ContactRecord>; 2],
+        (ended, bereaved): (&mut Vec<EndedPair>, &mut Vec<Slot>),
     ) -> bool {
         let member = |slot: usize| {
             let (_, id, entity) = body_index.key(Slot(slot as u32));
@@ -93,10 +93,13 @@ impl BodyKeys {
         if !same {
             self.match_keys(count, member);
             let Self { body_keys, entities, now, .. } = &*self;
-            contacts.retain_mut(|contact| {
+            let mut keep = |contact: &mut ContactRecord| {
                 let old = contact.slots;
                 contact.slots = old.map(|slot| now[slot.index()]);
                 let stays = !contact.slots.contains(&Slot::NONE);
+                if !stays {
+                    bereaved.extend(contact.slots.into_iter().filter(|slot| *slot != Slot::NONE));
+                }
                 if !stays && contact.touches() {
                     let [a, b] = [old[0].min(old[1]), old[0].max(old[1])].map(Slot::index);
                     ended.push(EndedPair {
@@ -105,7 +108,8 @@ impl BodyKeys {
                     });
                 }
                 stays
-            });
+            };
+            contacts.into_iter().for_each(|it| it.retain_mut(&mut keep));
             self.body_keys.clear();
             self.body_keys.extend((0..count).map(member));
         }

@@ -32,9 +32,11 @@ pub(crate) struct ColliderState {
     /// Centre of mass \[m\].
     pub(crate) center: Vec3<Real>,
     pub(crate) kind: LaneKind,
-    /// Whether the body is dynamic, and whether it is fixed.
+    /// Whether the body is dynamic and awake, and whether it is fixed.
     pub(crate) is_dynamic: bool,
     pub(crate) is_fixed: bool,
+    /// Whether it is dynamic but sleeps, and is taken for one that is not.
+    pub(crate) is_asleep: bool,
     /// How far from its surface another's may be to be a contact, with the other's reach added
     /// \[m\].
     pub(crate) reach: Real,
@@ -77,7 +79,10 @@ impl ColliderState {
     /// Its proxy in the broad phase, larger by `more` \[m\]. What senses is compared with what does
     /// not move, too.
     pub(crate) fn proxy(&self, geometry: &ColliderShape<Real>, more: Real, senses: bool) -> Proxy<Real> {
-        Proxy { aabb: geometry.aabb(&self.placement, self.reach + more), moves: self.is_dynamic || senses }
+        Proxy {
+            aabb: geometry.aabb(&self.placement, self.reach + more),
+            moves: self.is_dynamic || self.is_asleep || senses,
+        }
     }
 
     /// Known by its centre of mass alone.
@@ -98,6 +103,7 @@ impl ColliderState {
             kind: LaneKind::Other,
             is_dynamic: false,
             is_fixed: false,
+            is_asleep: false,
             reach: 0.0,
             margin: 0.0,
             half_thickness: 0.0,

@@ -267,6 +267,20 @@ impl ContactRecord {
         (0..self.count()).map(comes).fold(0.0, Real::max) / time
     }
 
+    /// How fast the points come together or, within the margin, move past each other, where bodies
+    /// move like this in a time \[m/s\].
+    pub(crate) fn fastest_approach(&self, [first, second]: [&ColliderState; 2], time: Real) -> Real {
+        let apart = second.center - first.center;
+        let way = |state: &ColliderState, arm: Vec3<Real>| state.motion.way + state.motion.turn.cross(arm);
+        let comes = |j: usize| {
+            let arm = self.place(j);
+            let passes = way(first, arm + apart) - way(second, arm);
+            let meets = self.separation(j) <= self.margin();
+            if meets { passes.dot(passes).sqrt() } else { self.geometry.normal.dot(passes) }
+        };
+        (0..self.count()).map(comes).fold(0.0, Real::max) / time
+    }
+
     /// Along the normal over the step \[N s\].
     pub(crate) fn impulse_of_step(&self) -> Real {
         self.earlier_impulse + self.total_impulse

@@ -10,6 +10,8 @@ use crate::collision::contact_events::ContactEvent;
 use crate::collision::contact_set::ContactSet;
 use crate::collision::pipeline::{Colliders, CollisionPipeline};
 use crate::collision::saved_contacts::SavedContacts;
+use crate::collision::sleep::Sleepers;
+use crate::joints::joint_marks::JointMarks;
 use crate::math::Real;
 use crate::storage::body_index::{BodyIndex, Slot};
 
@@ -25,6 +27,8 @@ pub(crate) struct ContactCache {
     substeps: u32,
     /// Pairs that touched and have lost a body between the steps.
     pub(crate) ended: Vec<EndedPair>,
+    /// The bodies that had a contact with one that is gone, by new slot.
+    pub(crate) bereaved: Vec<Slot>,
     /// Of the steps before the last that were taken in the same call.
     pub(crate) events: Vec<ContactEvent>,
     /// No step has been taken since keys were compared.
@@ -38,13 +42,17 @@ impl ContactCache {
         &mut self,
         world: &World,
         body_index: &BodyIndex,
-        colliders: &Colliders,
-        contacts: &mut Vec<ContactRecord>,
+        contacts: [&mut Vec<ContactRecord>; 2],
     ) -> bool {
-        let Self { body_keys, ended, is_next, .. } = self;
+        let Self { body_keys, ended, bereaved, is_next, .. } = self;
         ended.clear();
+        bereaved.clear();
         *is_next = true;
-        let same = !body_keys.renew(world, body_index, contacts, ended);
+        !body_keys.renew(world, body_index, contacts, (ended, bereaved))
+    }
+
+    /// Says of which shapes contacts are, and puts them in order.
+    pub(crate) fn arrange(&self, contacts: &mut Vec<ContactRecord>, colliders: &Colliders) {
         // Colliders may be others than they were, and contacts that were put back lie as they did
         // elsewhere.
         for contact in &mut *contacts {
@@ -53,7 +61,6 @@ impl ContactCache {
         if !contacts.is_sorted_by_key(ContactRecord::key) {
             contacts.sort_unstable_by_key(ContactRecord::key);
         }
-        same
     }
 
     /// Whether the next step follows the last in the same call, with the same bodies.
@@ -110,7 +117,8 @@ impl ContactCache {
 impl CollisionPipeline {
     /// Whether nothing touches nor has just parted.
     pub(crate) fn are_over(&self) -> bool {
-        self.contacts.records.is_empty() && self.cache.ended.is_empty() && self.sensors.are_over()
+        let are_over = self.contacts.records.is_empty() && self.sleepers.contacts.is_empty();
+        are_over && self.cache.ended.is_empty() && self.sensors.are_over()
     }
 
     /// Forgets all contacts, so that the next step begins without.
@@ -119,19 +127,24 @@ impl CollisionPipeline {
         self.contacts.substep = 0.0;
         self.cache.forget();
         self.sensors.forget();
+        self.sleepers = Sleepers::default();
     }
 
     /// Copies what decides the next step, with the loads of joints by slot.
     pub(crate) fn save(&self, joint_loads: &[f64], into: &mut SavedContacts) {
         into.clear();
-        let SavedContacts { body_keys, centers, loads, contacts, places } = into;
-        let Self { cache, contacts: ContactSet { records, .. }, .. } = self;
+        let SavedContacts { body_keys, centers, loads, still, contacts, places } = into;
+        let Self { cache, contacts: ContactSet { records, .. }, sleepers, .. } = self;
+        let records = || records.iter().chain(&sleepers.contacts);
         places.clear();
         places.resize(cache.body_keys.len(), Slot::NONE);
-        for slot in records.iter().flat_map(|contact| contact.slots) {
+        for slot in records().flat_map(|contact| contact.slots) {
             places[slot.index()] = Slot(0);
         }
         for (place, _) in places.iter_mut().zip(joint_loads).filter(|(_, load)| **load > 0.0) {
+            *place = Slot(0);
+        }
+        for (_, place) in (0..).map(Slot).zip(&mut *places).filter(|(slot, _)| sleepers.still(*slot) != 0.0) {
             *place = Slot(0);
         }
         for (slot, place) in (0..).map(Slot).zip(&mut *places).filter(|(_, place)| **place != Slot::NONE) {
@@ -143,9 +156,10 @@ impl CollisionPipeline {
                 body_keys.push(key);
                 centers.push(self.center(slot));
                 loads.push(joint_loads.get(slot.index()).copied().unwrap_or(0.0));
+                still.push(sleepers.still(slot));
             }
         }
-        contacts.extend(records.iter().filter_map(|contact| {
+        contacts.extend(records().filter_map(|contact| {
             let slots = contact.slots.map(|slot| places[slot.index()]);
             (!slots.contains(&Slot::NONE)).then(|| ContactRecord { slots, ..contact.clone() })
         }));
@@ -155,8 +169,17 @@ impl CollisionPipeline {
     pub(crate) fn put_back(&mut self, saved: &SavedContacts, world: &World) {
         self.forget();
         let Self {
-            cache: ContactCache { body_keys, .. }, contacts: ContactSet { records, .. }, collider_states, ..
+            cache: ContactCache { body_keys, .. },
+            contacts: ContactSet { records, .. },
+            collider_states,
+            sleepers,
+            joint_marks,
+            are_states_known,
+            ..
         } = self;
+        sleepers.put_back(&saved.still);
+        *joint_marks = JointMarks::default();
+        *are_states_known = false;
         body_keys.set(&saved.body_keys, world);
         records.extend_from_slice(&saved.contacts);
         records.retain(|contact| contact.slots.iter().all(|slot| body_keys.is_here(*slot)));

@@ -81,7 +81,9 @@ impl NearPairs {
                 near.extend(candidates.iter().filter_map(|&(first, second)| {
                     // Which others are candidates depends on what was before; the contacts must
                     // not.
-                    let is_near = proxies[first as usize].is_near(&proxies[second as usize]);
+                    let is_awake = |slot: u32| states[slot as usize].is_dynamic;
+                    let is_sought = is_awake(first) || is_awake(second) || !sensors.is_empty();
+                    let is_near = is_sought && proxies[first as usize].is_near(&proxies[second as usize]);
                     is_near.then(|| near_pair(states, (first, second)))
                 }));
             });

@@ -22,10 +22,12 @@ use crate::collision::pair_limit::FoundContacts;
 use crate::collision::partners::Partners;
 use crate::collision::round_contact::RoundContact;
 use crate::collision::sensors::Sensors;
+use crate::collision::sleep::Sleepers;
 use crate::collision::sweep::Sweep;
 use crate::collision::update_aabbs::Intervals;
 use crate::components::CenterOfMass;
 use crate::joints::joint_list::{JointEnds, JointList};
+use crate::joints::joint_marks::JointMarks;
 use crate::joints::locked_axes::LockedAxes;
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::settings::Settings;
@@ -41,6 +43,8 @@ pub(crate) struct CollisionPipeline {
     pub(crate) colliders: Colliders,
     /// In this substep.
     pub(crate) collider_states: ColliderStates,
+    /// Whether slots and colliders are those of the last substep, so that what sleeps is as it was.
+    pub(crate) are_states_known: bool,
     pub(crate) contacts: ContactSet,
     /// Kept from step to step.
     pub(crate) broad_phase: BroadPhase<Real>,
@@ -53,6 +57,9 @@ pub(crate) struct CollisionPipeline {
     pub(crate) internal_edges: InternalEdges,
     /// Kept from step to step.
     pub(crate) sensors: Sensors,
+    pub(crate) sleepers: Sleepers,
+    /// Kept from step to step, where bodies may sleep.
+    pub(crate) joint_marks: JointMarks,
     /// Memory that every substep overwrites.
     pub(crate) sweep: Sweep,
     /// The time that contacts look ahead \[s\].
@@ -71,6 +78,8 @@ pub(crate) struct Colliders {
     /// Empty where there are no sensors.
     pub(crate) sensors: Vec<SensorRole>,
     pub(crate) materials: Materials,
+    /// Whether any was another before the last update.
+    are_changed: bool,
 }
 
 /// Contacts that one thread takes at a time.
@@ -90,9 +99,18 @@ impl Colliders {
         self.list[slot.index()].as_ref()
     }
 
-    /// Reads the colliders of a world. Returns whether pairs are filtered as before.
-    fn update(&mut self, world: &World, body_index: &BodyIndex) -> bool {
-        let Self { list, groups, sensors, materials } = self;
+    /// Gives colliders the slots that their bodies have now; `slots` are these by slot before.
+    fn renumber(&mut self, slots: &[Slot], count: usize) {
+        let before = std::mem::replace(&mut self.list, vec![None; count]);
+        for (collider, slot) in before.into_iter().zip(slots).filter(|(_, slot)| **slot != Slot::NONE) {
+            self.list[slot.index()] = collider;
+        }
+    }
+
+    /// Reads the colliders of a world, and adds the slots of those that are others than they were.
+    /// Returns whether pairs are filtered as before.
+    fn update(&mut self, world: &World, body_index: &BodyIndex, changed: &mut Vec<Slot>) -> bool {
+        let Self { list, groups, sensors, materials, are_changed } = self;
         let mut is_same = list.len() == body_index.len();
         list.resize(body_index.len(), None);
         body_index.for_each_archetype(world, |archetype, places| {
@@ -103,11 +121,14 @@ impl Colliders {
                 let collider = column.as_deref().map(|column| (&column[row], offset(row)));
                 let known = &mut list[slot.index()];
                 if !is_known(known.as_ref(), collider) {
+                    // What is here for the first time was not another.
+                    changed.extend(known.is_some().then_some(slot));
                     *known = collider.map(|(collider, offset)| (collider.clone(), offset));
                     is_same = false;
                 }
             });
         });
+        *are_changed = !is_same;
         if is_same {
             return true;
         }
@@ -151,15 +172,37 @@ impl CollisionPipeline {
                 archetype.ids().iter().for_each(|id| mark(*id));
             }
         });
-        let Self { body_index, colliders, collider_states, contacts, broad_phase, cache, sensors, hook, .. } = self;
-        let same_groups = colliders.update(world, body_index);
+        let Self {
+            body_index,
+            colliders,
+            collider_states,
+            contacts,
+            broad_phase,
+            cache,
+            sensors,
+            sleepers,
+            hook,
+            are_states_known,
+            ..
+        } = self;
+        let of_sleepers = &mut sleepers.contacts;
+        let same_slots = cache.renumber(world, body_index, [&mut contacts.records, of_sleepers]);
+        if !same_slots {
+            let now = cache.body_keys.renumbered();
+            collider_states.renumber(now, body_index.len());
+            colliders.renumber(now, body_index.len());
+            sensors.renumber(now);
+            sleepers.renumber(now, body_index.len());
+        }
+        sleepers.disturbed.append(&mut cache.bereaved);
+        let same_groups = colliders.update(world, body_index, &mut sleepers.disturbed);
+        cache.arrange(&mut contacts.records, colliders);
+        if !same_slots || colliders.are_changed {
+            cache.arrange(&mut sleepers.contacts, colliders);
+            *are_states_known = false;
+        }
         // A hook may ask for any of them, from step to step others.
         contacts.extras = if hook.is_some() { Extras::ALL } else { colliders.materials.extras() };
-        let same_slots = cache.renumber(world, body_index, colliders, &mut contacts.records);
-        if !same_slots {
-            collider_states.renumber(cache.body_keys.renumbered(), body_index.len());
-            sensors.renumber(cache.body_keys.renumbered());
-        }
         if !(same_groups && same_slots) {
             // It asks once whether a pair is wanted.
             broad_phase.reset();
@@ -187,27 +230,55 @@ impl CollisionPipeline {
     }
 
     /// Finds the contacts of a substep of the settings, with the impulses that they begin with.
-    pub(crate) fn find_contacts(&mut self, columns: &WorldColumns<'_>, settings: &Settings, joints: &JointList) {
+    ///
+    /// Returns the bodies that it woke, in the order in which they were struck.
+    pub(crate) fn find_contacts(
+        &mut self,
+        columns: &WorldColumns<'_>,
+        settings: &Settings,
+        joints: &JointList,
+    ) -> Vec<Slot> {
         // After the last substep contacts see to it that in one more nothing would come too near.
         let ahead = settings.substep() + settings.contact_substep();
         self.ahead = ahead;
         let drop = settings.gravity * (0.5 * ahead * (ahead + settings.contact_substep()));
-        self.update_aabbs(columns, Intervals { interval: settings.substep(), ahead, drop });
-        let Self { collider_states, colliders, broad_phase, near, .. } = self;
-        let roles = Roles { groups: &colliders.groups, sensors: &colliders.sensors };
-        near.find(collider_states, roles, broad_phase, joints);
+        let intervals = Intervals { interval: settings.substep(), ahead, drop };
         self.cache.keep_previous(&mut self.contacts.records);
-        self.find_manifolds();
         self.contacts.substep = settings.contact_substep();
-        let fall = settings.gravity.length() * ahead * ahead;
-        self.limit_speculative(fall, joints);
-        self.leave_out_internal_edges();
+        let mut woken = Vec::new();
+        loop {
+            self.list_contacts(columns, (settings, intervals), joints);
+            // What was asleep may touch others in its turn.
+            let more = self.wake_struck(joints);
+            if more.is_empty() {
+                break;
+            }
+            woken.extend(more);
+        }
         self.match_impulses();
         self.propose_contacts();
         let Self { collider_states, colliders, contacts: ContactSet { records, rounds, .. }, .. } = self;
         rounds.clear();
         let numbered = (0..).zip(&*records);
         rounds.extend(numbered.filter_map(|contact| RoundContact::of(contact, colliders, &collider_states.states)));
+        woken
+    }
+
+    /// Lists the contacts between the bodies as they are.
+    fn list_contacts(
+        &mut self,
+        columns: &WorldColumns<'_>,
+        (settings, intervals): (&Settings, Intervals),
+        joints: &JointList,
+    ) {
+        self.update_aabbs(columns, intervals);
+        let Self { collider_states, colliders, broad_phase, near, .. } = self;
+        let roles = Roles { groups: &colliders.groups, sensors: &colliders.sensors };
+        near.find(collider_states, roles, broad_phase, joints);
+        self.find_manifolds();
+        let fall = settings.gravity.length() * intervals.ahead * intervals.ahead;
+        self.limit_speculative(fall, joints);
+        self.leave_out_internal_edges();
     }
 
     /// How many contacts there were after the last step, and how many pairs of shapes without lanes

@@ -17,12 +17,14 @@ use crate::storage::body_index::Slot;
 /// Forces, materials and colors are recomputed in every step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SavedContacts {
-    /// Of the bodies that have contacts or loads, in order, no two the same.
+    /// Of the bodies that have contacts or loads, or are still, in order, no two the same.
     pub(crate) body_keys: Vec<BodyKey>,
     /// Where their centres of mass were when the step began \[m\], one for each key.
     pub(crate) centers: Vec<[Real; 3]>,
     /// How much inertia the loads of joints ask for, one for each key [kg m^2].
     pub(crate) loads: Vec<f64>,
+    /// For how long they have been still, one for each key \[s\]; [`ASLEEP`](crate::collision::sleep::ASLEEP) of those that sleep.
+    pub(crate) still: Vec<Real>,
     /// Whose slots are places among the keys.
     pub(crate) contacts: Vec<ContactRecord>,
     /// By slot, the place among the keys.
@@ -136,6 +138,7 @@ impl SavedContacts {
         self.body_keys.clear();
         self.centers.clear();
         self.loads.clear();
+        self.still.clear();
         self.contacts.clear();
     }
 
@@ -155,6 +158,10 @@ impl SavedContacts {
         &self.loads
     }
 
+    pub(crate) fn still(&self) -> &[Real] {
+        &self.still
+    }
+
     /// The contacts in the order of their keys.
     pub(crate) fn contacts(&self) -> Vec<SavedContact> {
         let mut contacts: Vec<_> = self.contacts.iter().map(ContactRecord::saved).collect();
@@ -162,16 +169,17 @@ impl SavedContacts {
         contacts
     }
 
-    /// From a file: one centre and load for each key, and contacts between those.
+    /// From a file: one centre, load and time for each key, and contacts between those.
     pub(crate) fn new(
         body_keys: Vec<BodyKey>,
-        (centers, loads): (Vec<[Real; 3]>, Vec<f64>),
+        (centers, loads, still): (Vec<[Real; 3]>, Vec<f64>, Vec<Real>),
         contacts: &[SavedContact],
     ) -> Self {
         Self {
             body_keys,
             centers,
             loads,
+            still,
             contacts: contacts.iter().map(ContactRecord::of_saved).collect(),
             places: Vec::new(),
         }
@@ -182,6 +190,7 @@ impl SavedContacts {
         self.body_keys.capacity() * size_of::<BodyKey>()
             + self.centers.capacity() * size_of::<[Real; 3]>()
             + self.loads.capacity() * size_of::<f64>()
+            + self.still.capacity() * size_of::<Real>()
             + self.contacts.capacity() * size_of::<ContactRecord>()
             + self.places.capacity() * size_of::<Slot>()
     }

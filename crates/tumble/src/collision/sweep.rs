@@ -176,6 +176,9 @@ impl CollisionPipeline {
     }
 
     fn is_fast(&self, slot: Slot, pose: &Pose) -> bool {
+        if self.sleepers.is_asleep(slot) {
+            return false;
+        }
         let state = &self.collider_states.states[slot.index()];
         let way = Vec3::from(pose.position) - state.center;
         let most = SLOW * state.half_thickness;

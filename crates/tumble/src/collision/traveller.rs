@@ -289,7 +289,7 @@ fn turn_momentum(columns: &mut WorldColumns<'_>, place: RowPlace, turn: Quat<f64
 }
 
 /// The kinetic energy of a dynamic body \[J\].
-fn energy(columns: &WorldColumns<'_>, place: RowPlace) -> Option<f64> {
+pub(crate) fn energy(columns: &WorldColumns<'_>, place: RowPlace) -> Option<f64> {
     let (constants, state) = state_of(columns, place)?;
     Some(KineticEnergy::of(&constants, &state).sum())
 }

@@ -8,7 +8,7 @@ use crate::collision::collider_state::{ColliderState, ColliderStates, Motion};
 use crate::collision::narrow_phase::{LaneKind, ShapeLanesPart};
 use crate::collision::near_pairs::SensorRole;
 use crate::collision::pipeline::CollisionPipeline;
-use crate::components::{GravityScale, Momentum, Velocity};
+use crate::components::{GravityScale, Momentum, Pose, Velocity};
 use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, Moments};
 use crate::math::{Real, Vec3 as WorldVec3};
@@ -21,12 +21,24 @@ impl CollisionPipeline {
     /// Reads where all bodies with colliders are, how far from there they may go in an interval,
     /// and how they go on in the one that the solver looks ahead.
     pub(crate) fn update_aabbs(&mut self, columns: &WorldColumns<'_>, intervals: Intervals) {
-        let Self { body_index, collider_states: ColliderStates { states, proxies, lanes }, colliders, .. } = self;
-        lanes.reset(body_index.len());
-        states.clear();
-        states.resize(body_index.len(), ColliderState::NOWHERE);
-        proxies.clear();
-        proxies.resize(body_index.len(), ColliderState::no_proxy());
+        let Self {
+            body_index,
+            collider_states: ColliderStates { states, proxies, lanes },
+            colliders,
+            sleepers,
+            are_states_known,
+            ..
+        } = self;
+        let count = body_index.len();
+        let keeps = *are_states_known && states.len() == count && !sleepers.mask().is_empty();
+        if !keeps {
+            lanes.reset(count);
+            states.clear();
+            states.resize(count, ColliderState::NOWHERE);
+            proxies.clear();
+            proxies.resize(count, ColliderState::no_proxy());
+        }
+        *are_states_known = true;
         for (archetype, bodies) in columns.pose_views() {
             let mut row = 0;
             // Slots go by another order than rows, mostly the same.
@@ -37,7 +49,8 @@ impl CollisionPipeline {
                     states: &mut states[slots.clone()],
                     proxies: &mut proxies[slots.clone()],
                     lanes: lanes.part(slots.clone()),
-                    sensors: colliders.sensors.get(slots).unwrap_or_default(),
+                    sensors: colliders.sensors.get(slots.clone()).unwrap_or_default(),
+                    asleep: sleepers.mask().get(slots).unwrap_or_default(),
                 };
                 update.run(bodies.rows(row..row + run.len()), intervals);
                 row += run.len();
@@ -65,6 +78,8 @@ struct AabbUpdate<'a> {
     lanes: ShapeLanesPart<'a>,
     /// Empty where there are none.
     sensors: &'a [SensorRole],
+    /// Empty where none sleeps.
+    asleep: &'a [bool],
 }
 
 impl AabbUpdate<'_> {
@@ -79,21 +94,32 @@ impl AabbUpdate<'_> {
         let (proxies, other_proxies) = self.proxies.split_at_mut(middle);
         let (lanes, other_lanes) = self.lanes.split_at(middle);
         let (sensors, other_sensors) = self.sensors.split_at(middle.min(self.sensors.len()));
+        let (asleep, other_asleep) = self.asleep.split_at(middle.min(self.asleep.len()));
         let others = AabbUpdate {
             colliders: other_colliders,
             states: other_states,
             proxies: other_proxies,
             lanes: other_lanes,
             sensors: other_sensors,
+            asleep: other_asleep,
         };
-        let these = AabbUpdate { colliders, states, proxies, lanes, sensors };
+        let these = AabbUpdate { colliders, states, proxies, lanes, sensors, asleep };
         threads::join(
             || these.run(bodies.rows(0..middle), intervals),
             || others.run(bodies.rows(middle..bodies.pose.len()), intervals),
         );
     }
 
+    fn is_asleep(&self, i: usize) -> bool {
+        self.asleep.get(i).is_some_and(|it| *it)
+    }
+
     fn update(&mut self, i: usize, bodies: PoseView<'_>, Intervals { interval, ahead: ahead_of, drop }: Intervals) {
+        let is_asleep = self.is_asleep(i);
+        if is_asleep && self.states[i].is_asleep {
+            // It is where it was.
+            return;
+        }
         let Some((collider, offset)) = &self.colliders[i] else { return };
         let center = Vec3::from(bodies.pose[i].position);
         let orientation = Quat::from(bodies.pose[i].orientation).normalize();
@@ -101,13 +127,12 @@ impl AabbUpdate<'_> {
         let mut placement = collider.placement(Isometry { position, orientation });
         let velocity = bodies.velocity.map_or(Velocity::default(), |velocities| velocities[i]);
         let geometry = collider.geometry();
-        let turned = (0.25..=4.0).contains(&bodies.pose[i].orientation.length_squared());
-        let place = turned && [placement.position, center].into_iter().all(|at| within(at, MAX_DISTANCE_OF_CONTACTS));
+        let place = is_somewhere(&bodies.pose[i], [placement.position, center]);
         let from_center = placement.position - center;
         let radius = geometry.reach().unwrap_or(0.0) + from_center.dot(from_center).sqrt();
         let ccd_thickness = geometry.ccd_thickness();
-        let is_dynamic = bodies.dynamic.is_some();
-        let margin = if is_dynamic { (MARGIN_SHARE * ccd_thickness).min(MAX_MARGIN) } else { 0.0 };
+        let is_dynamic = bodies.dynamic.is_some() && !is_asleep;
+        let margin = if bodies.dynamic.is_some() { (MARGIN_SHARE * ccd_thickness).min(MAX_MARGIN) } else { 0.0 };
         let mut motion = Motion { radius, ..Motion::NONE };
         let (linear, in_range) = match bodies.dynamic {
             Some((momenta, masses, inertia)) => {
@@ -137,20 +162,11 @@ impl AabbUpdate<'_> {
         let way = linear.length() * interval;
         let reach = margin + ahead(way) + fall;
         self.lanes.set(i, geometry, &placement, center, (reach, margin));
-        let velocity = (velocity.linear.into(), velocity.angular.into());
-        let is_fixed = !is_dynamic && bodies.velocity.is_none();
-        self.states[i] = ColliderState {
-            placement,
-            center,
-            kind,
-            is_dynamic,
-            is_fixed,
-            reach,
-            margin,
-            half_thickness: ccd_thickness,
-            velocity,
-            motion,
-        };
+        let (velocity, half_thickness) = ((velocity.linear.into(), velocity.angular.into()), ccd_thickness);
+        let is_fixed = bodies.dynamic.is_none() && bodies.velocity.is_none();
+        let awake =
+            ColliderState { placement, center, kind, is_dynamic, is_fixed, half_thickness, ..ColliderState::NOWHERE };
+        self.states[i] = ColliderState { is_asleep, reach, margin, velocity, motion, ..awake };
         // Sensors look all of the way ahead, and at what turns.
         let more = if self.sensors.is_empty() { 0.0 } else { sensed_ahead(way, &motion) };
         let senses = self.sensors.get(i).is_some_and(|role| role.has_sensor);
@@ -169,6 +185,12 @@ const THIN: Real = 5.0;
 /// A body whose furthest points turn by less than this part of its margin does not turn, for
 /// speculative contacts.
 const TURNED: Real = 0.25;
+
+/// Whether a body stands and is where contacts can be found.
+fn is_somewhere(pose: &Pose, places: [Vec3<Real>; 2]) -> bool {
+    let turned = (0.25..=4.0).contains(&pose.orientation.length_squared());
+    turned && places.into_iter().all(|at| within(at, MAX_DISTANCE_OF_CONTACTS))
+}
 
 fn scale_of(scales: Option<&[GravityScale]>, i: usize) -> Real {
     scales.map_or(1.0, |scales| scales[i].0)

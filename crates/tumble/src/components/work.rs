@@ -61,6 +61,8 @@ pub struct Work {
     /// [`Totals::force_potential`](crate::Totals::force_potential) it is what motors, dampers and
     /// friction did.
     pub joints: f64,
+    /// By falling asleep, which takes the last momentum; never positive.
+    pub sleep: f64,
     /// Energy that the integrator made or lost, rounding included.
     pub integrator: f64,
 }
@@ -72,7 +74,14 @@ impl Work {
     /// By all of them \[J\].
     pub fn total(&self) -> f64 {
         let of_forces = self.forces.iter().sum::<f64>() + self.laws.iter().sum::<f64>();
-        self.gravity + self.applied + self.damping + self.contacts + self.joints + self.integrator + of_forces
+        self.gravity
+            + self.applied
+            + self.damping
+            + self.contacts
+            + self.joints
+            + self.sleep
+            + self.integrator
+            + of_forces
     }
 
     /// By a kind of force component, by its name: `"Drag"`. `None` where no kind is called so.
@@ -97,6 +106,7 @@ impl AddAssign for Work {
         self.damping += other.damping;
         self.contacts += other.contacts;
         self.joints += other.joints;
+        self.sleep += other.sleep;
         self.integrator += other.integrator;
         for (sum, force) in self.forces.iter_mut().zip(other.forces) {
             *sum += force;

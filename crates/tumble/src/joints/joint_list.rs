@@ -232,6 +232,37 @@ impl JointList {
         self.joints.iter().map(|joint| joint.slots)
     }
 
+    /// Pairs of bodies that hang together: by joints, and by gears between joints.
+    pub(crate) fn links(&self) -> Vec<[Slot; 2]> {
+        let of_gear = |gear: &ListedGear| gear.joints.map(|number| self.joints[number as usize].slots);
+        let of_gears = self.gears.iter().flat_map(|gear| {
+            let [a, b] = of_gear(gear);
+            [[a[0], b[0]], [a[0], b[1]], [a[1], b[0]], [a[1], b[1]]]
+        });
+        self.pairs().chain(of_gears).collect()
+    }
+
+    /// Shows each joint with a number that tells it from what it would be otherwise, and its bodies.
+    pub(crate) fn for_each_mark(&self, mut show: impl FnMut((Entity, u64, [Entity; 2]))) {
+        let hash = |seed: u64, numbers: &mut dyn Iterator<Item = u64>| {
+            numbers.fold(seed, |sum, number| (sum ^ number).wrapping_mul(0x0100_0000_01b3).rotate_left(23))
+        };
+        for (number, joint) in (0..).zip(&self.joints) {
+            let breakable = joint.breakable.map_or([Real::NAN; 2], |it| [it.max_force, it.max_torque]);
+            let bits = [u64::from(joint.joint.free.bits()), u64::from(joint.joint.contacts_enabled)];
+            let own = joint.frame_bits().into_iter().chain(bits).chain(breakable.map(|it| u64::from(it.to_bits())));
+            let mut sum = hash(0xcbf2_9ce4_8422_2325, &mut own.into_iter());
+            if let Some(options) = self.options(joint) {
+                sum = hash(sum, &mut options.numbers());
+            }
+            for gear in self.gears.iter().filter(|gear| gear.joints.contains(&number)) {
+                let axes = gear.axes.map(|axis| axis as u64);
+                sum = hash(sum, &mut axes.into_iter().chain([gear.ratio.to_bits(), gear.offset.to_bits()]));
+            }
+            show((joint.entity, sum, joint.joint.bodies));
+        }
+    }
+
     pub(crate) fn clear(&mut self) {
         self.joints.clear();
         self.gears.clear();
@@ -251,21 +282,23 @@ impl JointList {
 }
 
 impl ListedJoint {
+    /// The numbers of both frames.
+    fn frame_bits(&self) -> [u64; 14] {
+        let mut numbers = [0; 14];
+        let of_frames = self.joint.frames.iter().flat_map(|frame| {
+            let (p, q) = (frame.position, frame.orientation);
+            [p.x, p.y, p.z, q.x, q.y, q.z, q.w]
+        });
+        numbers.iter_mut().zip(of_frames).for_each(|(bits, number)| *bits = u64::from(number.to_bits()));
+        numbers
+    }
+
     /// Equal only for joints that do the same.
     fn cmp(&self, other: &Self, options: &[JointOptions]) -> Ordering {
-        let numbers = |joint: &Self| {
-            let mut numbers = [0; 14];
-            let of_frames = joint.joint.frames.iter().flat_map(|frame| {
-                let (p, q) = (frame.position, frame.orientation);
-                [p.x, p.y, p.z, q.x, q.y, q.z, q.w]
-            });
-            numbers.iter_mut().zip(of_frames).for_each(|(bits, number)| *bits = u64::from(number.to_bits()));
-            numbers
-        };
         let by_slots = self.slots.cmp(&other.slots);
         by_slots
             .then_with(|| self.joint.free.bits().cmp(&other.joint.free.bits()))
-            .then_with(|| numbers(self).cmp(&numbers(other)))
+            .then_with(|| self.frame_bits().cmp(&other.frame_bits()))
             .then_with(|| {
                 let [a, b] = [self, other].map(|joint| joint.options.map(|number| &options[number as usize]));
                 JointOptions::cmp(a, b)

@@ -46,7 +46,7 @@ impl JointOptions {
         }
     }
 
-    fn numbers(&self) -> impl Iterator<Item = u64> + '_ {
+    pub(crate) fn numbers(&self) -> impl Iterator<Item = u64> + '_ {
         let Limits { axes, distance, cone } = &self.limits;
         let of_limits = axes.iter().chain([distance]).flat_map(|limit| {
             let [a, b] = limit.map_or([Real::NAN; 2], |limit| [limit.min, limit.max]);

@@ -13,6 +13,7 @@ pub(crate) mod joint_error;
 pub(crate) mod joint_event;
 pub(crate) mod joint_list;
 pub(crate) mod joint_load;
+pub(crate) mod joint_marks;
 pub(crate) mod joint_options;
 pub(crate) mod limits;
 pub(crate) mod locked_axes;

@@ -16,13 +16,14 @@
 //! | 8 or 4 a body in contact | who it is: identities, then numbers of entities, each ascending |
 //! | 3 numbers a body in contact | where its centre of mass was when the last step began |
 //! | 8 a body in contact | inertia that the loads of its joints ask for, in double precision (1) |
+//! | 1 number a body in contact | for how long it has been still, or -1 if it sleeps (1) |
 //! | 16 and 15 numbers a contact | see (2) |
 //! | 4 and 5 numbers a point | contact by contact (3) |
 //! | 8 a breakable joint | which it is: identities, then entities as bits, each ascending |
 //! | 1 a breakable joint | 1 if it is broken, 0 if not |
 //! | 8 | 64-bit FNV-1a of all before |
 //!
-//! (1) Bodies with such a load are among those in contact.
+//! (1) Bodies with such a load, or that are still, are among those in contact.
 //!
 //! (2) Two bodies, as indices of those in contact; which of the contacts of the two; number of
 //! points, and 256 if the two touched before. Normal from the first to the second; impulse and
@@ -57,7 +58,7 @@ const UNIT_TOLERANCE: f64 = 1e-3;
 
 impl Snapshot {
     /// The version of the format of [`to_bytes`](Self::to_bytes).
-    pub const VERSION: u32 = 6;
+    pub const VERSION: u32 = 7;
 
     /// The snapshot as bytes for a file or a peer: 144 bytes and 60 a body in single precision, 112
     /// in double, with up to 168 or 304 a contact, 28 or 40 a body that has any, or that joints

@@ -2,6 +2,7 @@
 
 use crate::collision::body_key::BodyKey;
 use crate::collision::saved_contacts::{SavedContact, SavedContacts, SavedPoint};
+use crate::collision::sleep::ASLEEP;
 use crate::components::BodyId;
 use crate::math::Real;
 use crate::snapshot::bytes::{NUMBER, Reader};
@@ -12,6 +13,8 @@ use crate::snapshot::error::SnapshotError;
 const UNIT_TOLERANCE: Real = 1e-3;
 /// The most inertia that the load of joints asks for [kg m^2].
 const MAX_LOAD: f64 = 1e300;
+/// The longest that a body has been still \[s\].
+const MAX_STILL: Real = 1e9;
 /// The bit beside the number of points that says whether the bodies touched before.
 const TOUCHED: u32 = 1 << 8;
 
@@ -45,8 +48,8 @@ impl Counts {
         let number = NUMBER as u64;
         let [ids, entities] = self.body_keys;
         let parts = [
-            ids.saturating_mul(16 + 3 * number),
-            entities.saturating_mul(12 + 3 * number),
+            ids.saturating_mul(16 + 4 * number),
+            entities.saturating_mul(12 + 4 * number),
             self.contacts.saturating_mul(16 + SavedContact::NUMBERS as u64 * number),
             self.points.saturating_mul(4 + SavedPoint::NUMBERS as u64 * number),
         ];
@@ -82,6 +85,7 @@ impl<'a> Written<'a> {
         }
         bytes.extend(self.saved.centers().iter().flatten().flat_map(|number| number.to_le_bytes()));
         bytes.extend(self.saved.loads().iter().flat_map(|load| load.to_le_bytes()));
+        bytes.extend(self.saved.still().iter().flat_map(|time| time.to_le_bytes()));
         for contact in &self.contacts {
             let [first, second] = contact.bodies;
             let points = contact.count as u32 | if contact.touched { TOUCHED } else { 0 };
@@ -103,6 +107,7 @@ pub(crate) fn read(reader: &mut Reader<'_>, counts: &Counts) -> Result<SavedCont
     body_keys.extend(reader.many(entities, |reader| Ok(BodyKey::Entity(reader.u32()?)))?);
     let centers = reader.many(body_keys.len(), Reader::numbers)?;
     let loads = reader.many(body_keys.len(), |reader| reader.u64().map(f64::from_bits))?;
+    let still = reader.many(body_keys.len(), |reader| reader.numbers().map(|[time]| time))?;
     if let Some(pair) = body_keys.windows(2).position(|pair| pair[0] >= pair[1]) {
         return Err(SnapshotError::ContactBody { body: pair + 1 });
     }
@@ -111,6 +116,9 @@ pub(crate) fn read(reader: &mut Reader<'_>, counts: &Counts) -> Result<SavedCont
     }
     if let Some(body) = loads.iter().position(|load| !(0.0..=MAX_LOAD).contains(load)) {
         return Err(SnapshotError::JointLoad { body });
+    }
+    if let Some(body) = still.iter().position(|time| *time != ASLEEP && !(0.0..=MAX_STILL).contains(time)) {
+        return Err(SnapshotError::Rest { body });
     }
     let mut contacts = reader.many(counts.contacts as usize, contact)?;
     if let Some(index) = contacts.iter().position(|contact| !(1..=contact.points.len()).contains(&contact.count)) {
@@ -133,7 +141,7 @@ pub(crate) fn read(reader: &mut Reader<'_>, counts: &Counts) -> Result<SavedCont
         }
         before = Some(contact);
     }
-    Ok(SavedContacts::new(body_keys, (centers, loads), &contacts))
+    Ok(SavedContacts::new(body_keys, (centers, loads, still), &contacts))
 }
 
 fn contact(reader: &mut Reader<'_>) -> Result<SavedContact, SnapshotError> {

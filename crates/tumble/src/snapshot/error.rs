@@ -111,6 +111,13 @@ pub enum SnapshotError {
         /// Which, counted from zero.
         body: usize,
     },
+    /// The time for which a body has been still is neither from 0 to 1e9 seconds nor that of one
+    /// that sleeps.
+    #[error("the time at rest of body {body} of those in contact is neither from 0 to 1e9 s nor -1")]
+    Rest {
+        /// Which, counted from zero.
+        body: usize,
+    },
     /// One of the breakable joints is not named after the one before, or neither broken nor whole.
     #[error("breakable joint {joint} is out of order, named twice, or neither broken nor whole")]
     Joint {

@@ -10,8 +10,10 @@ use crate::storage::world_columns::WorldColumns;
 pub(crate) struct ConstrainedBodies {
     /// By slot; [`NONE`] where no constraint acts on the body.
     rows: Vec<SolverRow>,
-    /// How many are dynamic, and how many are not.
+    /// How many are dynamic and awake, and how many are not.
     counts: [usize; 2],
+    /// By slot, whether it is dynamic and sleeps; empty where none does. It is not moved.
+    asleep: Vec<bool>,
     /// Bodies with locked axes: constraints act on them in any case.
     pub(crate) locked: Vec<LockedSlot>,
 }
@@ -27,26 +29,33 @@ impl ConstrainedBodies {
         pairs: impl Iterator<Item = [Slot; 2]>,
         body_index: &BodyIndex,
         columns: &WorldColumns<'_>,
+        sleepers: &[bool],
     ) {
-        let Self { rows, counts, locked } = self;
+        let Self { rows, counts, locked, asleep } = self;
+        asleep.clear();
+        asleep.extend_from_slice(sleepers);
+        let is_awake = |slot: &Slot| asleep.get(slot.index()).is_none_or(|is_asleep| !is_asleep);
         rows.clear();
         rows.resize(body_index.len(), NONE);
-        let locked = locked.iter().map(|it| it.slot);
+        let locked = locked.iter().map(|it| it.slot).filter(is_awake);
         pairs.flatten().chain(locked).for_each(|slot| rows[slot.index()] = MARKED);
         *counts = [0; 2];
         for (archetype, is_dynamic) in columns.kinds() {
             let slots = body_index.slots_in(archetype).iter();
-            counts[usize::from(!is_dynamic)] += slots.filter(|slot| rows[slot.index()] != NONE).count();
+            for slot in slots.filter(|slot| rows[slot.index()] != NONE) {
+                counts[usize::from(!is_dynamic || !is_awake(slot))] += 1;
+            }
         }
     }
 
     /// None.
     pub(crate) fn clear(&mut self) {
         self.rows.clear();
+        self.asleep.clear();
         self.counts = [0; 2];
     }
 
-    /// How many are dynamic, and how many are not.
+    /// How many are dynamic and awake, and how many are not.
     pub(crate) fn counts(&self) -> [usize; 2] {
         self.counts
     }
@@ -57,6 +66,19 @@ impl ConstrainedBodies {
 
     pub(crate) fn contains(&self, slot: Slot) -> bool {
         self.rows[slot.index()] != NONE
+    }
+
+    pub(crate) fn is_asleep(&self, slot: Slot) -> bool {
+        self.asleep.get(slot.index()).is_some_and(|is_asleep| *is_asleep)
+    }
+
+    pub(crate) fn are_any_asleep(&self) -> bool {
+        !self.asleep.is_empty()
+    }
+
+    /// The row of a body that does not sleep.
+    pub(crate) fn awake_row(&self, slot: Slot) -> Option<SolverRow> {
+        self.row(slot).filter(|_| !self.is_asleep(slot))
     }
 
     pub(crate) fn row(&self, slot: Slot) -> Option<SolverRow> {
@@ -71,13 +93,13 @@ impl ConstrainedBodies {
     /// The rows of bodies with locked axes that have no joints.
     pub(crate) fn locks(&self) -> impl Iterator<Item = (SolverRow, AxisLock)> + '_ {
         let without_joint = self.locked.iter().filter(|it| !it.has_joint);
-        without_joint.filter_map(|it| Some((self.row(it.slot)?, it.lock)))
+        without_joint.filter_map(|it| Some((self.awake_row(it.slot)?, it.lock)))
     }
 
     /// The bodies with locked axes that have joints, and their rows.
     pub(crate) fn jointed_locks(&self) -> impl Iterator<Item = (Slot, SolverRow, AxisLock)> + Clone + '_ {
         let with_joint = self.locked.iter().filter(|it| it.has_joint);
-        with_joint.filter_map(|it| Some((it.slot, self.row(it.slot)?, it.lock)))
+        with_joint.filter_map(|it| Some((it.slot, self.awake_row(it.slot)?, it.lock)))
     }
 
     /// By slot.

@@ -6,7 +6,7 @@ use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::contact_set::ContactSet;
 use crate::collision::traveller::state_of;
-use crate::components::Momentum;
+use crate::components::{Momentum, Velocity};
 use crate::forces::evaluate::LawForces;
 use crate::forces::force_context::ForceContext;
 use crate::forces::registry::{ForceLaws, Laws};
@@ -86,7 +86,7 @@ fn give_rows(
 ) -> usize {
     for (archetype, _) in columns.kinds().filter(|(_, is_dynamic)| *is_dynamic) {
         for slot in body_index.slots_in(archetype) {
-            if constrained.contains(*slot) {
+            if constrained.awake_row(*slot).is_some() {
                 constrained.set_row(*slot, SolverRow(next as u32));
                 next += 1;
             }
@@ -95,7 +95,7 @@ fn give_rows(
     next
 }
 
-/// Gives rows to the bodies that are not dynamic, and reads them. Returns the row after them.
+/// Gives rows to the bodies that are not dynamic or sleep, and reads them. Returns the row after them.
 fn gather_non_dynamic(
     constrained: &mut ConstrainedBodies,
     body_index: &BodyIndex,
@@ -103,17 +103,21 @@ fn gather_non_dynamic(
     bodies: &mut SolverBodies,
     mut next: usize,
 ) -> usize {
-    for (archetype, _) in columns.kinds().filter(|(_, is_dynamic)| !*is_dynamic) {
+    let are_any_asleep = constrained.are_any_asleep();
+    for (archetype, is_dynamic) in columns.kinds().filter(|(_, is_dynamic)| are_any_asleep || !*is_dynamic) {
         for slot in body_index.slots_in(archetype) {
-            let place = body_index.place(*slot);
-            let ArchetypeBodies::NonDynamic(columns) = columns.bodies(place) else { continue };
-            if constrained.contains(*slot) {
-                let (row, velocity) = (place.row as usize, columns.velocity(place.row as usize));
-                let [center, linear, angular] =
-                    [columns.pose[row].position, velocity.linear, velocity.angular].map(Vec3::from);
+            if constrained.contains(*slot) && (!is_dynamic || constrained.is_asleep(*slot)) {
+                let place = body_index.place(*slot);
+                let row = place.row as usize;
+                let (pose, velocity) = match columns.bodies(place) {
+                    ArchetypeBodies::Dynamic(columns) => (columns.pose[row], Velocity::default()),
+                    ArchetypeBodies::NonDynamic(columns) => (columns.pose[row], columns.velocity(row)),
+                    ArchetypeBodies::None => continue,
+                };
+                let [center, linear, angular] = [pose.position, velocity.linear, velocity.angular].map(Vec3::from);
                 let in_range = within(linear, MAX_SPEED) && within(angular, MAX_SPEED);
                 if in_range && within(center, MAX_DISTANCE_OF_CONTACTS) {
-                    bodies.set_non_dynamic(next, (center, columns.pose[row].orientation.into()), [linear, angular]);
+                    bodies.set_non_dynamic(next, (center, pose.orientation.into()), [linear, angular]);
                 }
                 constrained.set_row(*slot, SolverRow(next as u32));
                 next += 1;
@@ -154,7 +158,7 @@ pub(crate) fn scatter(
     columns.for_each_chunk(|archetype, chunk| {
         let slots = body_index.slots_in(archetype).iter().skip(chunk.first_row);
         for (i, slot) in slots.enumerate().take(chunk.len()) {
-            let Some(row) = constrained.row(*slot) else { continue };
+            let Some(row) = constrained.awake_row(*slot) else { continue };
             let axes = chunk.axes.map(|axes| Quat::from(axes[i].0));
             chunk.set_state(i, &bodies.state(row.index(), axes));
         }
@@ -195,7 +199,7 @@ struct Gather<'a> {
 impl Gather<'_> {
     /// How many of these are constrained.
     fn count(&self, slots: &[Slot]) -> usize {
-        slots.iter().filter(|slot| self.constrained.contains(**slot)).count()
+        slots.iter().filter(|slot| self.constrained.awake_row(**slot).is_some()).count()
     }
 
     /// Reads the constrained bodies of a chunk, of which the slots are given, in parallel.
@@ -221,7 +225,7 @@ impl Gather<'_> {
     ) {
         let Self { constrained, settings, time } = *self;
         let h = settings.contact_substep();
-        let rows = slots.iter().enumerate().filter_map(|(i, slot)| Some((i, *slot, constrained.row(*slot)?)));
+        let rows = slots.iter().enumerate().filter_map(|(i, slot)| Some((i, *slot, constrained.awake_row(*slot)?)));
         for (next, (i, slot, solver_row)) in rows.enumerate() {
             let constants: Constants<Real> = chunk.constants(i);
             let state: State<Real> = chunk.state(i);

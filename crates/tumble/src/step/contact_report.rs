@@ -226,7 +226,7 @@ impl Simulation {
 impl CollisionPipeline {
     /// The contacts of the last step, in the order of their bodies.
     pub(crate) fn report(&self) -> impl Iterator<Item = Contact> + '_ {
-        let mut order: Vec<&ContactRecord> = self.contacts.records.iter().collect();
+        let mut order: Vec<&ContactRecord> = self.contacts.records.iter().chain(&self.sleepers.contacts).collect();
         // They are in this order but for the kinds of their shapes, which takes a sort that merges
         // little time.
         order.sort_by_key(|contact| (contact.pair(), contact.part));

@@ -16,7 +16,10 @@ use crate::step::interactions::Interactions;
 use crate::step::pack_key::PackKey;
 use crate::step::phase_times::{PhaseTimes, Stopwatch};
 use crate::step::phased_step::StepPhase;
-use crate::step::systems::{accumulate_forces_of, integrate_unconstrained, remember_poses_of, update_derived_of};
+use crate::step::systems::{
+    accumulate_forces_of, accumulate_forces_where, integrate_unconstrained, remember_poses_of, update_derived_of,
+};
+use crate::storage::body_index::{RowPlace, Slot};
 use crate::storage::world_columns::WorldColumns;
 
 /// A world in which bodies act on each other, and what it is stepped with.
@@ -66,6 +69,8 @@ pub(crate) fn step_interacting(
         if step > 0 {
             worlds.iter_mut().for_each(|it| it.interactions.begin_next_step());
         }
+        worlds.iter_mut().for_each(|it| it.interactions.begin_step());
+        worlds.iter_mut().for_each(InteractingWorld::update_sleep);
         worlds.iter_mut().for_each(InteractingWorld::remember_poses);
         worlds.iter_mut().for_each(InteractingWorld::accumulate_forces);
         stopwatch.end_of(StepPhase::AccumulateForces);
@@ -75,7 +80,7 @@ pub(crate) fn step_interacting(
     }
 }
 
-/// The integration of a step, this many after the clocks.
+/// The integration of a step that was begun, this many after the clocks.
 pub(crate) fn integrate_interacting(
     worlds: &mut [InteractingWorld<'_>],
     mut together: Option<&mut Together<'_>>,
@@ -87,7 +92,6 @@ pub(crate) fn integrate_interacting(
     debug_assert!(worlds.iter().all(|it| it.settings.substeps == substeps));
     let pull = worlds.iter().any(|it| it.interactions.pairs.is_some());
     let touch = worlds.iter().any(|it| it.interactions.collision.is_some());
-    worlds.iter_mut().for_each(|it| it.interactions.begin_step());
     for substep in 0..substeps {
         let index = SubstepIndex { step, substep };
         worlds.iter_mut().for_each(|it| it.apply_pair_forces(SubstepHalf::First));
@@ -144,6 +148,15 @@ fn time_of(clock: &Clock, settings: &Settings, SubstepIndex { step, substep }: S
     clock.time_after(step) + f64::from(substep) * f64::from(settings.substep())
 }
 
+/// Adds gravity to the wrench of a body that woke within a step.
+fn accumulate_forces_of_one(columns: &mut WorldColumns<'_>, place: RowPlace, settings: &Settings) {
+    if let Some(columns) = columns.dynamic_mut(place) {
+        let (row, chunk) = (place.row as usize, columns.chunk());
+        let force = chunk.gravity_on(row, settings.gravity);
+        chunk.wrench[row].force += force;
+    }
+}
+
 impl<'a> InteractingWorld<'a> {
     /// Of a world, of which it finds out what acts between which bodies, and holds these until it
     /// is dropped.
@@ -170,6 +183,16 @@ impl<'a> InteractingWorld<'a> {
         Self { columns: laws.columns_of(world), settings, laws, interactions, clock }
     }
 
+    /// Wakes what was disturbed since the last step, and puts to sleep what is at rest.
+    pub(crate) fn update_sleep(&mut self) {
+        let Self { columns, settings, laws, interactions, .. } = self;
+        let Interactions { collision, mechanisms, pairs, .. } = &mut **interactions;
+        if let Some(collision) = collision {
+            let is_pulled = |entity: u32| pairs.as_ref().is_some_and(|pairs| pairs.act_on(entity));
+            collision.update_sleep(columns, (settings, laws), &mechanisms.list, is_pulled);
+        }
+    }
+
     /// Copies the poses before the step.
     pub(crate) fn remember_poses(&mut self) {
         self.columns.for_each_chunk(|_, bodies| remember_poses_of(bodies));
@@ -178,7 +201,16 @@ impl<'a> InteractingWorld<'a> {
     /// Adds gravity to the wrenches.
     pub(crate) fn accumulate_forces(&mut self) {
         let gravity = self.settings.gravity;
-        self.columns.for_each_chunk(|_, bodies| accumulate_forces_of(bodies, gravity));
+        let collision = self.interactions.collision.as_ref();
+        match collision.map(|it| (&it.body_index, it.sleepers.mask())).filter(|(_, asleep)| !asleep.is_empty()) {
+            Some((body_index, asleep)) => self.columns.for_each_chunk(|archetype, bodies| {
+                let slots = body_index.slots_in(archetype);
+                let first = bodies.first_row;
+                let is_awake = |i: usize| slots.get(first + i).is_none_or(|slot| !asleep[slot.index()]);
+                accumulate_forces_where(bodies, gravity, is_awake);
+            }),
+            None => self.columns.for_each_chunk(|_, bodies| accumulate_forces_of(bodies, gravity)),
+        }
     }
 
     /// Changes momenta by the forces between bodies, over half of a substep; over all of it in the
@@ -199,10 +231,13 @@ impl<'a> InteractingWorld<'a> {
         match collision {
             Some(collision) => {
                 crate::scope::scope!("tumble::find_contacts");
-                collision.find_contacts(&self.columns, self.settings, &mechanisms.list);
+                for slot in collision.find_contacts(&self.columns, self.settings, &mechanisms.list) {
+                    accumulate_forces_of_one(&mut self.columns, collision.body_index.place(slot), self.settings);
+                }
+                let (body_index, asleep) = (&collision.body_index, collision.sleepers.mask());
                 let pairs = collision.contacts.records.iter().map(|contact| contact.slots);
-                let pairs = pairs.chain(mechanisms.pairs(&collision.body_index, &self.columns));
-                constrained.find(pairs, &collision.body_index, &self.columns);
+                let pairs = pairs.chain(mechanisms.pairs(body_index, &self.columns, asleep));
+                constrained.find(pairs, body_index, &self.columns, asleep);
             }
             None => constrained.clear(),
         }
@@ -254,7 +289,11 @@ impl<'a> InteractingWorld<'a> {
     fn write_joint_loads(&mut self) {
         let Interactions { mechanisms, collision, .. } = &mut *self.interactions;
         let of_idle = mechanisms.list.idle_loads.iter().map(|place| (*place, JointLoad::default()));
-        let of_others = mechanisms.joint_loads(self.settings.dt).map(|(joint, load)| (joint.place, load));
+        // Those that sleep carry what they did.
+        let sleeps = |slot: &Slot| collision.as_ref().is_some_and(|it| it.sleepers.is_asleep(*slot));
+        let of_others = mechanisms.joint_loads(self.settings.dt);
+        let of_others = of_others.filter(|(joint, _)| !joint.slots.iter().any(sleeps));
+        let of_others = of_others.map(|(joint, load)| (joint.place, load));
         for (place, load) in of_idle.chain(of_others) {
             let column = self.columns.archetype(place).get::<&mut JointLoad>();
             column.into_iter().for_each(|mut column| column[place.row as usize] = load);

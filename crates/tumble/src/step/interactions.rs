@@ -68,6 +68,7 @@ impl Interactions {
                 mechanisms.renumber(collision.cache.body_keys.renumbered(), collision.body_index.len());
             }
             let same_pairs = mechanisms.list.find(world, &collision.body_index);
+            collision.notice_joints(&mechanisms.list);
             find_locked(world, &collision.body_index, &mechanisms.list, &mut constrained.locked);
             if !same_pairs {
                 collision.broad_phase.reset();

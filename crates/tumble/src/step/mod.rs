@@ -14,6 +14,7 @@ pub(crate) mod phase_times;
 pub(crate) mod phased_step;
 pub(crate) mod sensor_report;
 pub(crate) mod simulation;
+pub(crate) mod sleep_report;
 pub(crate) mod systems;
 
 pub use crate::step::body_slices::{BodySlices, LengthMismatch};

@@ -247,7 +247,10 @@ fn run_interacting(simulation: &mut Simulation, world: &mut World, phase: StepPh
     let index = SubstepIndex { step: 0, substep };
     let mut it = simulation.interacting_as_known(world);
     match phase {
-        StepPhase::RememberPoses => it.remember_poses(),
+        StepPhase::RememberPoses => {
+            it.update_sleep();
+            it.remember_poses();
+        }
         StepPhase::AccumulateForces => it.accumulate_forces(),
         StepPhase::PairForcesBefore => it.apply_pair_forces(SubstepHalf::First),
         StepPhase::FindContacts => it.find_contacts(),

@@ -98,7 +98,9 @@ pub fn integrate(world: &mut World, settings: &Settings) {
 pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &ForceLaws, time: f64) {
     if Interactions::is_in(world) {
         let mut interactions = Interactions::default();
-        let interacting = InteractingWorld::new(world, settings, laws, &mut interactions, Clock::at(time));
+        interactions.update(world);
+        interactions.begin_step();
+        let interacting = InteractingWorld::of_known(world, settings, laws, &mut interactions, Clock::at(time));
         integrate_interacting(&mut [interacting], None, 0, KinematicBodies::Stay, &mut PhaseTimes::start(None));
     } else {
         for_each_chunk_under(world, laws, |bodies, laws| {
@@ -172,8 +174,13 @@ pub(crate) fn remember_poses_of(bodies: &mut Chunk<'_>) {
 }
 
 pub(crate) fn accumulate_forces_of(bodies: &mut Chunk<'_>, gravity: Vec3) {
+    accumulate_forces_where(bodies, gravity, |_| true);
+}
+
+/// The same for the bodies of some rows.
+pub(crate) fn accumulate_forces_where(bodies: &mut Chunk<'_>, gravity: Vec3, acts: impl Fn(usize) -> bool) {
     crate::scope::scope!("tumble::accumulate_forces");
-    for i in 0..bodies.len() {
+    for i in (0..bodies.len()).filter(|i| acts(*i)) {
         bodies.wrench[i].force += bodies.gravity_on(i, gravity);
     }
 }
@@ -236,11 +243,13 @@ pub(crate) fn integrate_unconstrained(
         return integrate_bodies(bodies, laws, settings, time, wrenches);
     };
     let slots = &slots[bodies.first_row..][..bodies.len()];
-    let is_unconstrained = |row: usize| !constrained.contains(slots[row]);
+    let is_unconstrained = |row: usize| !constrained.contains(slots[row]) && !constrained.is_asleep(slots[row]);
     let rows = if laws.is_empty() { RowOrder::Any } else { RowOrder::OfArchetype };
     bodies.for_included(rows, is_unconstrained, |bodies| integrate_bodies(bodies, laws, settings, time, wrenches));
     if wrenches == Wrenches::Consumed {
-        bodies.wrench.fill(Wrench::default());
+        // What the caller adds to a body that sleeps, after it could wake it, waits for the next step.
+        let awake = bodies.wrench.iter_mut().zip(slots).filter(|(_, slot)| !constrained.is_asleep(**slot));
+        awake.for_each(|(wrench, _)| *wrench = Wrench::default());
     }
 }
 

@@ -63,6 +63,11 @@ impl PairForces {
         }
     }
 
+    /// Whether they may act on the body of an entity with this number.
+    pub(crate) fn act_on(&self, entity: u32) -> bool {
+        self.body_index.slot(entity).is_some()
+    }
+
     /// Changes the momenta by what the forces, as they are now, do in the time `t` \[s\]; `h` \[s\]
     /// is the substep.
     pub(crate) fn apply(&mut self, columns: &mut WorldColumns<'_>, t: Real, h: Real) {

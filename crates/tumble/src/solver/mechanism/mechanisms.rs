@@ -97,9 +97,14 @@ impl Mechanisms {
         &'a self,
         body_index: &'a BodyIndex,
         columns: &'a WorldColumns<'_>,
+        asleep: &'a [bool],
     ) -> impl Iterator<Item = [Slot; 2]> + 'a {
-        let is_in_range = |slot: &Slot| is_in_range(body_index, columns, *slot);
-        self.list.pairs().filter(move |slots| slots.iter().all(is_in_range))
+        // All bodies of a mechanism sleep, or none.
+        let acts = move |slot: &Slot| {
+            let is_asleep = asleep.get(slot.index()).is_some_and(|it| *it);
+            !is_asleep && is_in_range(body_index, columns, *slot)
+        };
+        self.list.pairs().filter(move |slots| slots.iter().all(acts))
     }
 
     /// Gives the loads the slots that their bodies have now; `slots` are these by slot before.
@@ -228,8 +233,9 @@ impl Mechanisms {
                 list.options(listed).into_iter().for_each(|options| rows.take_options(options));
             }
         }
-        // Bodies without joints have none.
-        loads.fill(0.0);
+        // Bodies without joints have none; those that sleep keep what they fell asleep with.
+        let awake = loads.iter_mut().enumerate().filter(|(slot, _)| !constrained.is_asleep(Slot(*slot as u32)));
+        awake.for_each(|(_, load)| *load = 0.0);
     }
 
     /// Makes mechanisms of the structure.

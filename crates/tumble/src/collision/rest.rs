@@ -1,0 +1,261 @@
+//! Which bodies fall asleep and which wake when a step begins.
+
+use tumble_math::lane::Vec3;
+
+use crate::collision::collider::Collider;
+use crate::collision::contact::ContactRecord;
+use crate::collision::contact_ways::length;
+use crate::collision::pipeline::CollisionPipeline;
+use crate::collision::sleep::{Awake, Rest, moves};
+use crate::collision::traveller::energy;
+use crate::components::{Momentum, Velocity, Wrench};
+use crate::forces::registry::ForceLaws;
+use crate::integrators::derived::derived;
+use crate::joints::joint_list::JointList;
+use crate::math::{Real, Vec3 as WorldVec3};
+use crate::settings::{Settings, Sleep};
+use crate::storage::body_index::Slot;
+use crate::storage::chunk::Chunk;
+use crate::storage::world_columns::WorldColumns;
+
+/// By slot: which bodies are dynamic and awake, and which of these move at all.
+#[derive(Default)]
+struct AwakeBodies {
+    is_dynamic: Vec<bool>,
+    moves: Vec<bool>,
+}
+
+impl CollisionPipeline {
+    /// Wakes what was disturbed since the last step, and puts to sleep what has been still for long
+    /// enough. `is_pulled` says of the number of an entity whether forces between bodies act on it.
+    pub(crate) fn update_sleep(
+        &mut self,
+        columns: &mut WorldColumns<'_>,
+        (settings, laws): (&Settings, &ForceLaws),
+        joints: &JointList,
+        is_pulled: impl Fn(u32) -> bool,
+    ) {
+        let Some(sleep) = settings.sleep else {
+            if self.sleepers.are_on() {
+                self.sleepers.end(&mut self.contacts.records);
+            }
+            return;
+        };
+        self.sleepers.rests.resize(self.body_index.len(), Rest::UNKNOWN);
+        if !self.sleepers.are_on() {
+            self.joint_marks.begin(joints);
+        }
+        if self.sleepers.settings.replace(*settings).is_some_and(|before| before != *settings) {
+            let all: Vec<Slot> = self.body_index.all().filter(|slot| self.sleepers.is_asleep(*slot)).collect();
+            self.sleepers.disturbed.extend(all);
+        }
+        self.find_movers(columns);
+        let mut awake = self.compare_dynamic(columns, (settings, laws), &sleep, is_pulled);
+        // After a restore all are with the others.
+        self.sleepers.take_contacts(&mut self.contacts.records, |slot| awake.is_dynamic[slot.index()]);
+        self.disturb_by_contacts((settings.dt / sleep.time).min(1.0));
+        let links = joints.links();
+        let disturbed = std::mem::take(&mut self.sleepers.disturbed);
+        for slot in self.sleepers.wake(&disturbed, &links, &mut self.contacts.records) {
+            awake.is_dynamic[slot.index()] = true;
+        }
+        let AwakeBodies { is_dynamic, moves } = &awake;
+        let awake = Awake { is_dynamic, moves, contacts: &self.contacts.records, links: &links };
+        let tired = self.sleepers.tired(&awake, &sleep);
+        for slot in tired {
+            self.put_to_sleep(slot, columns);
+        }
+        let is_awake = |slot: Slot| is_dynamic[slot.index()] && !self.sleepers.is_asleep(slot);
+        let dynamic: Vec<bool> = self.body_index.all().map(is_awake).collect();
+        self.sleepers.take_contacts(&mut self.contacts.records, |slot| dynamic[slot.index()]);
+    }
+
+    /// Disturbs what has joints that are not as they were.
+    pub(crate) fn notice_joints(&mut self, joints: &JointList) {
+        let Self { sleepers, joint_marks, body_index, .. } = self;
+        if sleepers.are_on() || sleepers.count() > 0 {
+            joint_marks.update(joints, |body| sleepers.disturbed.extend(body_index.slot(body.id())));
+        }
+    }
+
+    /// Finds the bodies that are not dynamic and move, or were moved since the last step.
+    fn find_movers(&mut self, columns: &WorldColumns<'_>) {
+        let Self { sleepers, body_index, .. } = self;
+        sleepers.movers.clear();
+        for (archetype, bodies) in columns.pose_views().filter(|(_, bodies)| bodies.dynamic.is_none()) {
+            for (row, slot) in body_index.slots_in(archetype).iter().enumerate() {
+                let pose = Some(bodies.pose[row]);
+                let before = std::mem::replace(&mut sleepers.rests[slot.index()].pose, pose);
+                if (before.is_some() && before != pose) || moves(bodies.velocity.map(|column| &column[row])) {
+                    sleepers.movers.push(*slot);
+                }
+            }
+        }
+        sleepers.movers.sort_unstable();
+    }
+
+    /// Compares sleeping bodies with what they were, and finds out for how long others are still.
+    fn compare_dynamic(
+        &mut self,
+        columns: &mut WorldColumns<'_>,
+        (settings, laws): (&Settings, &ForceLaws),
+        sleep: &Sleep,
+        is_pulled: impl Fn(u32) -> bool,
+    ) -> AwakeBodies {
+        let Self { sleepers, body_index, colliders, .. } = self;
+        let mut awake = AwakeBodies { is_dynamic: vec![false; body_index.len()], moves: vec![false; body_index.len()] };
+        let mut disturbed = std::mem::take(&mut sleepers.disturbed);
+        laws.for_each_archetype_of(columns, |archetype, chunk, laws| {
+            for (row, slot) in body_index.slots_in(archetype).iter().enumerate() {
+                let is_asleep = sleepers.is_asleep(*slot);
+                let rest = &mut sleepers.rests[slot.index()];
+                let is_pulled = !laws.is_empty() || is_pulled(body_index.key(*slot).2);
+                if is_asleep {
+                    if rest.pose.is_none() {
+                        *rest = Rest::of(&chunk, row, colliders.get(*slot), sleep);
+                    }
+                    if is_pulled || rest.differs(&chunk, row) || is_pushed(&chunk, row) {
+                        disturbed.push(*slot);
+                    }
+                    continue;
+                }
+                *rest = Rest { still: rest.still, ..Rest::of(&chunk, row, colliders.get(*slot), sleep) };
+                let is_free = !is_pulled && chunk.wrench[row] == Wrench::default();
+                let is_still = is_free && is_slow(&chunk, row, colliders.get(*slot), rest.least_speed);
+                rest.still = if is_still { (rest.still + settings.dt).min(sleep.time) } else { 0.0 };
+                awake.is_dynamic[slot.index()] = true;
+                awake.moves[slot.index()] = chunk.momentum[row] != Momentum::default();
+            }
+        });
+        sleepers.disturbed = disturbed;
+        awake
+    }
+
+    /// Keeps awake what touches something that moves by itself, and disturbs what sleeps and lost
+    /// its support or carries a load that it did not fall asleep under.
+    /// A step is this `share` of the time that bodies have to be still for.
+    fn disturb_by_contacts(&mut self, share: Real) {
+        let Self { sleepers, contacts, colliders, .. } = self;
+        let is_mover = |slot: &Slot| sleepers.movers.binary_search(slot).is_ok();
+        let with_mover = sleepers.contacts.iter().filter(|contact| contact.slots.iter().any(is_mover));
+        let partners: Vec<Slot> = with_mover.flat_map(|contact| contact.slots).collect();
+        let conveys = |contact: &ContactRecord| {
+            contacts.extras.conveys && {
+                let [a, b] = colliders.materials.surface_velocities(contact.slots, contact.part);
+                a != b || a != crate::math::Vec3::ZERO
+            }
+        };
+        let mut restless = Vec::new();
+        let mut pressed = Vec::new();
+        for contact in &contacts.records {
+            if contact.slots.iter().any(is_mover) || conveys(contact) {
+                restless.extend(contact.slots);
+            }
+            for slot in contact.slots.into_iter().filter(|slot| sleepers.is_asleep(*slot)) {
+                if contact.impulse_of_step() > sleepers.rests[slot.index()].least_momentum * share {
+                    pressed.push(slot);
+                }
+            }
+        }
+        for slot in restless {
+            sleepers.rests[slot.index()].still = 0.0;
+        }
+        sleepers.disturbed.extend(partners.into_iter().chain(pressed));
+    }
+
+    /// Takes the momentum of a body, books that, and leaves it out from now on.
+    fn put_to_sleep(&mut self, slot: Slot, columns: &mut WorldColumns<'_>) {
+        let place = self.body_index.place(slot);
+        let row = place.row as usize;
+        let given_up = energy(columns, place).unwrap_or_default();
+        let Some(columns) = columns.dynamic_mut(place) else { return };
+        columns.momentum[row] = Momentum::default();
+        if let Some(velocity) = columns.velocity.as_deref_mut() {
+            velocity[row] = Velocity::default();
+        }
+        if let Some(work) = columns.work.as_deref_mut() {
+            work[row].sleep -= given_up;
+        }
+        self.sleepers.put_to_sleep(slot, self.body_index.len());
+    }
+
+    /// Wakes what something strikes or comes near, so that it is solved in this substep. Returns the
+    /// bodies that slept.
+    pub(crate) fn wake_struck(&mut self, joints: &JointList) -> Vec<Slot> {
+        let mut struck = Vec::new();
+        if self.sleepers.count() == 0 {
+            return struck;
+        }
+        self.disturb_near_movers(&mut struck);
+        let Self { sleepers, contacts, collider_states, cache, .. } = self;
+        sleepers.struck(&contacts.records, &collider_states.states, self.ahead, &mut struck);
+        if struck.is_empty() {
+            return struck;
+        }
+        sleepers.wake(&struck, &joints.links(), &mut cache.last)
+    }
+
+    /// Adds the sleeping bodies that are near something that moves by itself.
+    fn disturb_near_movers(&self, struck: &mut Vec<Slot>) {
+        let Self { sleepers, broad_phase, collider_states, colliders, .. } = self;
+        for mover in &sleepers.movers {
+            let touch = |slot: &Slot| colliders.groups[slot.index()].touch(colliders.groups[mover.index()]);
+            let mut show = |slot: Slot| {
+                if sleepers.is_asleep(slot) && touch(&slot) {
+                    struck.push(slot);
+                }
+            };
+            let proxy = &collider_states.proxies[mover.index()];
+            match &proxy.aabb {
+                Some(aabb) => broad_phase.meeting(aabb, &mut |other| show(Slot(other))),
+                None => self.body_index.all().for_each(show),
+            }
+        }
+    }
+}
+
+impl Rest {
+    fn of(chunk: &Chunk<'_>, row: usize, collider: Option<&(Collider, WorldVec3)>, sleep: &Sleep) -> Self {
+        let least_speed = sleep.speed_of(radius_of(chunk, row, collider));
+        let least_momentum = chunk.mass[row].kilograms() * least_speed;
+        let weight = weight_of(chunk, row);
+        Self { pose: Some(chunk.pose[row]), weight, least_momentum, least_speed, still: 0.0 }
+    }
+
+    /// Whether a sleeping body is not what it was.
+    fn differs(&self, chunk: &Chunk<'_>, row: usize) -> bool {
+        self.pose != Some(chunk.pose[row]) || self.weight != weight_of(chunk, row)
+    }
+}
+
+/// Mass by scale of gravity \[kg\].
+fn weight_of(chunk: &Chunk<'_>, row: usize) -> Real {
+    chunk.mass[row].kilograms() * chunk.gravity_scale.map_or(1.0, |scales| scales[row].0)
+}
+
+/// Whether a body was given a momentum or a force.
+fn is_pushed(chunk: &Chunk<'_>, row: usize) -> bool {
+    chunk.momentum[row] != Momentum::default() || chunk.wrench[row] != Wrench::default()
+}
+
+/// How far a body reaches from its centre of mass \[m\]; where it has no collider, as far as its
+/// inertia tells.
+fn radius_of(chunk: &Chunk<'_>, row: usize, collider: Option<&(Collider, WorldVec3)>) -> Real {
+    if let Some((collider, offset)) = collider
+        && let Some(reach) = collider.geometry().reach()
+    {
+        let center = collider.place().map_or(Vec3::zero(), |place| place.position) - Vec3::from(*offset);
+        return reach + length(center);
+    }
+    let most = chunk.inertia.map_or(0.0, |inertia| inertia[row].moments().max_element());
+    (most / chunk.mass[row].kilograms()).sqrt()
+}
+
+/// Whether no point of a body is faster than `most` \[m/s\].
+fn is_slow(chunk: &Chunk<'_>, row: usize, collider: Option<&(Collider, WorldVec3)>, most: Real) -> bool {
+    if chunk.momentum[row] == Momentum::default() {
+        return true;
+    }
+    let moving = derived(&chunk.constants::<Real>(row), &chunk.state::<Real>(row));
+    length(moving.linear) + length(moving.angular) * radius_of(chunk, row, collider) <= most
+}

@@ -1,0 +1,257 @@
+//! Sleep: which bodies are left out of the steps, since when the others are still, and the contacts
+//! of those that sleep.
+//!
+//! Whether a body wakes follows from the world as it is when a step begins, so nothing has to be
+//! called where it is changed. What comes near a sleeping body fast wakes it within the step, before
+//! contacts are solved.
+
+use crate::collision::collider_state::ColliderState;
+use crate::collision::contact::ContactRecord;
+use crate::collision::islands::Islands;
+use crate::components::{Pose, Velocity};
+use crate::math::Real;
+use crate::settings::{Settings, Sleep};
+use crate::storage::body_index::Slot;
+
+/// The bodies of a world that sleep, kept from step to step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Sleepers {
+    /// By slot; empty where the settings have no sleep.
+    pub(crate) rests: Vec<Rest>,
+    /// By slot; empty where none sleeps.
+    asleep: Vec<bool>,
+    count: usize,
+    /// Contacts of sleeping bodies with each other and with what is not dynamic, by key.
+    pub(crate) contacts: Vec<ContactRecord>,
+    /// Those that the last step was taken with.
+    pub(crate) settings: Option<Settings>,
+    /// To be woken when the next step begins.
+    pub(crate) disturbed: Vec<Slot>,
+    /// Non-dynamic bodies that move by themselves, or were moved since the last step.
+    pub(crate) movers: Vec<Slot>,
+    islands: Islands,
+}
+
+/// A body as it was when the last step began.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rest {
+    /// Of a body that is not dynamic, or that sleeps; `None` where it is not known.
+    pub(crate) pose: Option<Pose>,
+    /// Mass by scale of gravity of a dynamic body \[kg\].
+    pub(crate) weight: Real,
+    /// The momentum of a body that is just still \[kg m/s\], and the speed of its points [m/s].
+    pub(crate) least_momentum: Real,
+    pub(crate) least_speed: Real,
+    /// For how long it has been still \[s\].
+    pub(crate) still: Real,
+}
+
+impl Rest {
+    pub(crate) const UNKNOWN: Self =
+        Self { pose: None, weight: 0.0, least_momentum: 0.0, least_speed: 0.0, still: 0.0 };
+}
+
+/// In the place of the time for which a body has been still, if it sleeps.
+pub(crate) const ASLEEP: Real = -1.0;
+
+/// What hangs together beside contacts: pairs of bodies with joints.
+pub(crate) type Links<'a> = &'a [[Slot; 2]];
+
+impl Sleepers {
+    /// Whether bodies may sleep.
+    pub(crate) fn are_on(&self) -> bool {
+        self.settings.is_some_and(|it| it.sleep.is_some())
+    }
+
+    pub(crate) fn is_asleep(&self, slot: Slot) -> bool {
+        self.asleep.get(slot.index()).is_some_and(|is_asleep| *is_asleep)
+    }
+
+    /// By slot; empty where none sleeps.
+    pub(crate) fn mask(&self) -> &[bool] {
+        &self.asleep
+    }
+
+    /// How many sleep.
+    pub(crate) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Gives bodies the slots that they have now; `slots` are these by slot before.
+    pub(crate) fn renumber(&mut self, slots: &[Slot], count: usize) {
+        let to = |slot: &Slot| slots.get(slot.index()).copied().filter(|now| *now != Slot::NONE);
+        let mut rests = vec![Rest::UNKNOWN; if self.rests.is_empty() { 0 } else { count }];
+        for (rest, now) in self.rests.iter().zip(slots).filter(|(_, now)| **now != Slot::NONE) {
+            rests[now.index()] = *rest;
+        }
+        self.rests = rests;
+        if !self.asleep.is_empty() {
+            let mut asleep = vec![false; count];
+            for (is_asleep, now) in self.asleep.iter().zip(slots).filter(|(_, now)| **now != Slot::NONE) {
+                asleep[now.index()] = *is_asleep;
+            }
+            self.asleep = asleep;
+            self.recount();
+        }
+        self.disturbed = self.disturbed.iter().filter_map(to).collect();
+    }
+
+    /// Puts back who slept, and for how long others have been still: by slot, [`ASLEEP`] of those.
+    pub(crate) fn put_back(&mut self, still: &[Real]) {
+        *self = Self::default();
+        self.rests.extend(still.iter().map(|still| Rest { still: still.max(0.0), ..Rest::UNKNOWN }));
+        self.asleep.extend(still.iter().map(|still| *still == ASLEEP));
+        self.recount();
+    }
+
+    /// For how long a body has been still \[s\], or [`ASLEEP`].
+    pub(crate) fn still(&self, slot: Slot) -> Real {
+        if self.is_asleep(slot) { ASLEEP } else { self.rests.get(slot.index()).map_or(0.0, |rest| rest.still) }
+    }
+
+    fn recount(&mut self) {
+        self.count = self.asleep.iter().filter(|is_asleep| **is_asleep).count();
+        if self.count == 0 {
+            self.asleep.clear();
+        }
+    }
+
+    /// None sleeps any more, and nothing is known; their contacts are with the others again.
+    pub(crate) fn end(&mut self, contacts: &mut Vec<ContactRecord>) {
+        self.give_back(contacts, |_| true);
+        *self = Self::default();
+    }
+
+    /// Puts a body to sleep, or back to sleep after it was restored.
+    pub(crate) fn put_to_sleep(&mut self, slot: Slot, slots: usize) {
+        self.asleep.resize(slots, false);
+        self.count += usize::from(!std::mem::replace(&mut self.asleep[slot.index()], true));
+    }
+
+    /// Wakes bodies, and all that sleep and hang together with them; their contacts come to the
+    /// others. Returns those that slept, in order.
+    pub(crate) fn wake(
+        &mut self,
+        disturbed: &[Slot],
+        links: Links<'_>,
+        contacts: &mut Vec<ContactRecord>,
+    ) -> Vec<Slot> {
+        let Self { asleep, islands, contacts: of_sleepers, rests, .. } = self;
+        let is_asleep = |slot: Slot| asleep.get(slot.index()).is_some_and(|it| *it);
+        if !disturbed.iter().any(|slot| is_asleep(*slot)) {
+            return Vec::new();
+        }
+        let pairs = of_sleepers.iter().map(|contact| contact.slots).chain(links.iter().copied());
+        islands.join(asleep.len(), pairs, is_asleep);
+        let mut wakes = vec![false; asleep.len()];
+        for slot in disturbed.iter().filter(|slot| is_asleep(**slot)) {
+            wakes[islands.root(*slot).index()] = true;
+        }
+        let all = (0..asleep.len() as u32).map(Slot);
+        let woken: Vec<Slot> = all.filter(|slot| is_asleep(*slot) && wakes[islands.root(*slot).index()]).collect();
+        for slot in &woken {
+            asleep[slot.index()] = false;
+            rests[slot.index()].still = 0.0;
+        }
+        self.count -= woken.len();
+        self.give_back_of_awake(contacts);
+        self.recount();
+        woken
+    }
+
+    /// Gives back the contacts of which no body sleeps.
+    fn give_back_of_awake(&mut self, contacts: &mut Vec<ContactRecord>) {
+        let asleep = std::mem::take(&mut self.asleep);
+        let sleeps = |slot: &Slot| asleep[slot.index()];
+        self.give_back(contacts, |contact| !contact.slots.iter().any(sleeps));
+        self.asleep = asleep;
+    }
+
+    fn give_back(&mut self, contacts: &mut Vec<ContactRecord>, goes: impl Fn(&ContactRecord) -> bool) {
+        let before = contacts.len();
+        contacts.extend(self.contacts.extract_if(.., |contact| goes(contact)));
+        if contacts.len() > before {
+            contacts.sort_by_key(ContactRecord::key);
+        }
+    }
+
+    /// Takes the contacts of which no body is awake: of sleeping bodies with each other and with
+    /// those that are not dynamic.
+    pub(crate) fn take_contacts(&mut self, contacts: &mut Vec<ContactRecord>, is_dynamic: impl Fn(Slot) -> bool) {
+        if self.count == 0 {
+            return;
+        }
+        let asleep = &self.asleep;
+        let rests = |contact: &ContactRecord| {
+            let sleeps = |slot: &Slot| asleep[slot.index()];
+            contact.slots.iter().any(sleeps) && contact.slots.iter().all(|slot| sleeps(slot) || !is_dynamic(*slot))
+        };
+        let before = self.contacts.len();
+        self.contacts.extend(contacts.extract_if(.., |contact| rests(contact)));
+        if self.contacts.len() > before {
+            self.contacts.sort_by_key(ContactRecord::key);
+        }
+    }
+
+    /// The islands of awake bodies of which all have been still for long enough, and that something
+    /// holds or that do not move: all of their bodies, in order.
+    pub(crate) fn tired(&mut self, awake: &Awake<'_>, sleep: &Sleep) -> Vec<Slot> {
+        let Self { islands, rests, .. } = self;
+        let is_awake = |slot: Slot| awake.is_dynamic[slot.index()];
+        let of_contacts = awake.contacts.iter().map(|contact| contact.slots);
+        let pairs = of_contacts.clone().chain(awake.links.iter().copied());
+        islands.join(rests.len(), pairs.clone(), is_awake);
+        let mut stays_awake = vec![false; rests.len()];
+        let mut is_held = vec![false; rests.len()];
+        let touching = awake.contacts.iter().filter(|contact| contact.touches()).map(|contact| contact.slots);
+        for slots in touching.chain(awake.links.iter().copied()) {
+            for (slot, other) in [(slots[0], slots[1]), (slots[1], slots[0])] {
+                if is_awake(slot) && !is_awake(other) {
+                    is_held[islands.root(slot).index()] = true;
+                }
+            }
+        }
+        let all = || (0..rests.len() as u32).map(Slot).filter(|slot| is_awake(*slot));
+        for slot in all() {
+            let root = islands.root(slot);
+            stays_awake[root.index()] |= rests[slot.index()].still < sleep.time;
+        }
+        for slot in all().filter(|slot| awake.moves[slot.index()]) {
+            let root = islands.root(slot);
+            stays_awake[root.index()] |= !is_held[root.index()];
+        }
+        all().filter(|slot| !stays_awake[islands.root(*slot).index()]).collect()
+    }
+
+    /// Adds the sleeping bodies that contacts disturb: what touches them comes or slides faster than
+    /// they may move.
+    pub(crate) fn struck(
+        &self,
+        contacts: &[ContactRecord],
+        states: &[ColliderState],
+        ahead: Real,
+        struck: &mut Vec<Slot>,
+    ) {
+        for contact in contacts {
+            let Some(sleeper) = contact.slots.into_iter().find(|slot| self.is_asleep(*slot)) else { continue };
+            let least = self.rests[sleeper.index()].least_speed;
+            if contact.fastest_approach(contact.slots.map(|slot| &states[slot.index()]), ahead) > least {
+                struck.push(sleeper);
+            }
+        }
+    }
+}
+
+/// The bodies of a world that do not sleep.
+pub(crate) struct Awake<'a> {
+    /// By slot: whether the body is dynamic and does not sleep, and whether it moves at all.
+    pub(crate) is_dynamic: &'a [bool],
+    pub(crate) moves: &'a [bool],
+    pub(crate) contacts: &'a [ContactRecord],
+    pub(crate) links: Links<'a>,
+}
+
+/// Whether a body that is not dynamic moves by itself.
+pub(crate) fn moves(velocity: Option<&Velocity>) -> bool {
+    velocity.is_some_and(|velocity| *velocity != Velocity::default())
+}

@@ -1,0 +1,89 @@
+//! Promise: who sleeps, and every bit of the state, is the same after a rewind, in another world, with any
+//! number of threads, and in a batch.
+//!
+//! Why: sleep is state of the simulation beside the bodies; what a snapshot forgets of it shows a
+//! second later.
+
+use hecs::World;
+use tumble::prelude::*;
+use tumble::{Batch, BodyOrder, Trial, state_hash};
+use tumble_tests::{Draw, cases};
+
+use crate::sleep::{asleep, heap, sleeping};
+
+fn hash(world: &World) -> u64 {
+    state_hash(world, &BodyOrder::of(world))
+}
+
+/// Who sleeps, and the state, after this many steps of a heap that is disturbed on the way.
+fn disturbed(world: &mut World, simulation: &mut Simulation, steps: std::ops::Range<u32>) {
+    for step in steps {
+        if step % 70 == 69 {
+            let order = BodyOrder::of(world);
+            let body = order.entities()[1 + (step as usize / 70) % (order.entities().len() - 1)];
+            if let Ok(mut momentum) = world.get::<&mut Momentum>(body) {
+                momentum.apply_impulse(Vec3::new(0.3, 0.0, 0.1) * world.get::<&Mass>(body).unwrap().kilograms());
+            }
+        }
+        simulation.step(world);
+    }
+}
+
+#[test]
+fn rewinds_are_exact() {
+    for case in 0..u64::from(cases(6)) {
+        let mut draw = Draw::new(0x51F1, case);
+        let size = draw.log_between(0.05, 2.0);
+        let make = |draw: &mut Draw| heap(draw, size, 7).0;
+        let mut again = Draw::new(0x51F2, case);
+        let mut world = make(&mut again);
+        let mut simulation = Simulation::new(sleeping()).unwrap();
+        let mut files = Vec::new();
+        for step in 0..300 {
+            if step % 23 == 0 {
+                files.push((step, simulation.snapshot(&world).unwrap().to_bytes(), asleep(&simulation)));
+            }
+            disturbed(&mut world, &mut simulation, step..step + 1);
+        }
+        let there = (hash(&world), simulation.sleeping_bodies().count());
+        assert!(files.iter().any(|(.., asleep)| *asleep > 0), "case {case}: none slept");
+        for (step, file, asleep_then) in files {
+            let mut other = make(&mut Draw::new(0x51F2, case));
+            let mut fresh = Simulation::new(sleeping()).unwrap();
+            let snapshot = Snapshot::from_bytes(&file).unwrap();
+            fresh.restore(&snapshot, &mut other).unwrap();
+            assert_eq!(fresh.snapshot(&other).unwrap().to_bytes(), file, "case {case}, step {step}");
+            disturbed(&mut other, &mut fresh, step..300);
+            assert_eq!((hash(&other), asleep(&fresh)), there, "case {case}, step {step}, {asleep_then} asleep");
+        }
+    }
+}
+
+#[test]
+fn neither_threads_nor_order_nor_a_batch_matter() {
+    let draw = || Draw::new(0x51F3, 1);
+    let after = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let (mut world, _) = heap(&mut draw(), 0.5, 40);
+            let mut simulation = Simulation::new(sleeping()).unwrap();
+            disturbed(&mut world, &mut simulation, 0..400);
+            (hash(&world), asleep(&simulation))
+        })
+    };
+    let one = after(1);
+    assert!(one.1 > 0, "none sleeps");
+    assert_eq!([after(2), after(4)], [one; 2]);
+    let (mut world, _) = heap(&mut draw(), 0.5, 40);
+    let mut simulation = Simulation::new(sleeping()).unwrap();
+    simulation.step_many(&mut world, 400);
+    let alone = (hash(&world), asleep(&simulation));
+    let mut batch = Batch::new();
+    for _ in 0..3 {
+        batch.push(Trial::new(sleeping(), heap(&mut draw(), 0.5, 40).0).unwrap());
+    }
+    batch.step_many(400);
+    for trial in batch.trials() {
+        assert_eq!((hash(&trial.world), asleep(&trial.simulation)), alone);
+    }
+}
