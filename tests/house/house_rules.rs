@@ -107,7 +107,7 @@ struct Rule {
 
 /// The workspace from the bottom up. The engine adds a mathematics crate to what it depends on, and
 /// so may those above it.
-const RULES: [Rule; 14] = [
+const RULES: [Rule; 15] = [
     Rule { member: "crates/tumble-math", members: &[], outside: Some(&["glam", "libm", "serde", "thiserror"]) },
     Rule { member: "crates/tumble-collide", members: &["tumble-math"], outside: Some(&["thiserror"]) },
     Rule {
@@ -116,6 +116,11 @@ const RULES: [Rule; 14] = [
         outside: Some(&["glam", "hecs", "libm", "profiling", "rayon", "serde", "thiserror", "tracing"]),
     },
     Rule { member: "crates/tumble-import", members: &["tumble", "tumble-math"], outside: None },
+    Rule {
+        member: "crates/tumble-vehicle",
+        members: &["tumble"],
+        outside: Some(&["libm", "thiserror"]),
+    },
     Rule { member: "crates/tumble-scene", members: &["tumble", "tumble-import", "tumble-math"], outside: None },
     Rule { member: "crates/tumble-record", members: &["tumble", "tumble-import", "tumble-scene"], outside: None },
     Rule {

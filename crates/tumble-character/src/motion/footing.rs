@@ -1,0 +1,150 @@
+//! What a character stands on.
+
+use tumble::math::{Real, Vec3};
+
+use crate::motion::{Hit, Motion};
+use crate::slide::Plane;
+use crate::state::GroundState;
+use crate::surroundings::Body;
+use crate::vectors::{flat, unit};
+
+/// What is below the sole.
+#[derive(Clone, Copy, Debug)]
+enum Footing {
+    /// Ground, with the normal by which to walk on it.
+    Ground(Hit, Vec3),
+    Steep(Hit),
+    Nothing,
+}
+
+impl Motion<'_> {
+    /// Finds the ground after a walk, and stays on it if it is near enough; else it is in the air.
+    pub(super) fn find_ground(&mut self, reach: Real) {
+        match self.footing(reach) {
+            Footing::Ground(hit, normal) => {
+                self.snap_to(&hit);
+                self.stand_on(&hit, normal);
+            }
+            Footing::Steep(hit) => {
+                if self.is_wedged() {
+                    self.stand_on(&hit, self.up());
+                } else {
+                    let velocity = self.state.world_velocity();
+                    self.slide_on(&hit);
+                    self.state.velocity = velocity;
+                }
+            }
+            Footing::Nothing => self.leave_ground(),
+        }
+    }
+
+    fn footing(&mut self, reach: Real) -> Footing {
+        let (up, skin) = (self.up(), self.skin());
+        let down = -up * (reach + 2.0 * skin);
+        let mut hit = self.cast(self.position, down);
+        while let Some(inside) = hit.filter(|hit| self.is_inside(hit)) {
+            if !self.push_out() {
+                self.ignored.push(inside.entity);
+            }
+            hit = self.cast(self.position, down);
+        }
+        let Some(hit) = hit else { return Footing::Nothing };
+        self.touch(&hit);
+        if self.upright.is_walkable(hit.normal) {
+            return Footing::Ground(hit, hit.normal);
+        }
+        // What is under its middle, as far as it may step down.
+        let middle = self.position + up * self.settings.radius;
+        let under = self.ray(middle, -up * (self.settings.radius + reach.max(2.0 * skin)));
+        let under = under.filter(|it| it.distance > 0.0 && self.upright.is_walkable(it.normal));
+        let is_edge = self.face_beyond(&hit).is_some_and(|face| self.upright.is_walkable(face));
+        match under {
+            Some(_) if is_edge => Footing::Ground(hit, up),
+            Some(under) if under.distance <= self.settings.radius + 2.0 * skin => {
+                let (entity, normal, point) = (under.entity, under.normal, under.point);
+                Footing::Ground(Hit { entity, normal, point, distance: hit.distance }, normal)
+            }
+            _ => Footing::Steep(hit),
+        }
+    }
+
+    /// Goes down to the ground, or up to where it is the skin above.
+    fn snap_to(&mut self, hit: &Hit) {
+        let skin = self.skin();
+        let wanted = skin / hit.normal.dot(self.up()).max(0.5);
+        let down = (hit.distance - wanted).max(-0.5 * skin);
+        if down.abs() > skin * 0.01 {
+            self.position -= self.up() * down;
+        }
+    }
+
+    /// It stands on ground from now on.
+    pub(super) fn stand_on(&mut self, hit: &Hit, normal: Vec3) {
+        self.record_ground(hit, normal);
+        self.state.ground = GroundState::OnGround;
+        self.state.air_time = 0.0;
+        self.state.has_jumped = false;
+    }
+
+    /// It slides on steep ground from now on.
+    pub(super) fn slide_on(&mut self, hit: &Hit) {
+        self.record_ground(hit, hit.normal);
+        self.state.ground_velocity = Vec3::ZERO;
+        self.state.ground = GroundState::OnSteep;
+    }
+
+    fn record_ground(&mut self, hit: &Hit, normal: Vec3) {
+        self.state.ground_entity = Some(hit.entity);
+        self.state.ground_normal = normal;
+        self.state.ground_point = hit.point;
+        self.state.ground_velocity = self.velocity_of(hit);
+        self.state.yaw_rate = match self.around.body(hit.entity) {
+            Body::Still => 0.0,
+            Body::Kinematic(mover) | Body::Dynamic(mover) => mover.velocity.angular.dot(self.up()),
+        };
+    }
+
+    /// It is in the air from now on, as fast as it was along the slope and with the ground.
+    pub(super) fn leave_ground(&mut self) {
+        let (up, skin) = (self.up(), self.skin());
+        let outward = unit(flat(self.state.ground_point - self.position, up)).unwrap_or(Vec3::ZERO);
+        let from = self.state.ground_point + outward * (0.5 * skin) + up * (4.0 * skin);
+        let slope = self.ray(from, -up * (8.0 * skin)).map(|face| face.normal);
+        let velocity = match slope {
+            Some(normal) if self.upright.is_walkable(normal) => self.upright.lifted(self.state.velocity, normal),
+            _ => self.state.velocity,
+        };
+        self.state.velocity = velocity + self.state.ground_velocity;
+        self.be_in_air();
+    }
+
+    pub(super) fn be_in_air(&mut self) {
+        self.state.ground = GroundState::InAir;
+        self.state.ground_entity = None;
+        self.state.ground_velocity = Vec3::ZERO;
+        self.state.yaw_rate = 0.0;
+    }
+
+    /// Whether steep ground and something else hold it, so that it does not get down.
+    fn is_wedged(&self) -> bool {
+        let way = -self.up() * (4.0 * self.skin());
+        let (mut rest, mut position) = (way, self.position);
+        let mut planes: Vec<Plane> = Vec::new();
+        for _ in 0..4 {
+            let length = rest.length();
+            if length < self.skin() * 0.1 {
+                return true;
+            }
+            let direction = rest / length;
+            let Some(hit) = self.cast(position, direction * (length + 2.0 * self.skin())) else { return false };
+            let free = self.free_way(&hit, direction, length);
+            if free >= length {
+                return false;
+            }
+            position += direction * free;
+            planes.push(Plane { normal: hit.normal, speed: 0.0 });
+            rest = self.upright.clipped(rest * (1.0 - free / length), &planes, false);
+        }
+        rest.dot(self.up()) >= -0.1 * self.skin()
+    }
+}
