@@ -1,0 +1,63 @@
+//! Promise: what stands, stands. On level ground and on a slope of 15 degrees a vehicle with the
+//! hand brake on stays to a millimetre for ten minutes, and does not shake.
+//!
+//! A minute of each is simulated, or `TUMBLE_VEHICLE_SECONDS`.
+
+use tumble::math::{Quat, Real, Vec3};
+
+use crate::course::{Course, Draw, settling};
+
+fn seconds() -> f64 {
+    std::env::var("TUMBLE_VEHICLE_SECONDS").ok().and_then(|it| it.parse().ok()).unwrap_or(60.0)
+}
+
+#[test]
+fn it_stays_where_it_stands() {
+    for case in 0..16 {
+        let mut draw = Draw::new(10, case);
+        let (mut plan, dt) = (draw.plan(), draw.dt());
+        plan.probe = draw.probe();
+        let slope: Real = if case % 4 == 0 { 0.0 } else { (15.0 as Real).to_radians() };
+        let mut course = Course::on_plane(&plan, dt, Quat::from_rotation_x(slope), draw.real(-3.0, 3.0));
+        course.drive(|input| input.hand_brake = 1.0);
+        course.run(2.0 * settling(&plan));
+        let before = course.pose();
+        for _ in 0..course.steps(seconds()) {
+            course.step();
+            let speed = course.velocity().linear.length();
+            assert!(speed < 2e-4, "case {case}: shakes at {speed} m/s");
+        }
+        let moved = (course.pose().position - before.position).length();
+        assert!(moved < 1e-3, "case {case}: went {moved} m");
+        assert!(course.wheels().iter().skip(2).all(|wheel| wheel.spin == 0.0), "case {case}: a wheel turns");
+    }
+}
+
+/// What rolls down a slope without brakes does so with the acceleration of its mass and its wheels.
+#[test]
+fn without_brakes_it_rolls() {
+    for case in 0..20 {
+        let mut draw = Draw::new(11, case);
+        let (plan, dt) = (draw.plan(), draw.dt());
+        let slope = draw.real(0.05, 0.2);
+        let mut course = Course::on_plane(&plan, dt, Quat::from_rotation_x(slope), 0.0);
+        let mut vehicle = course.world.get::<&mut tumble_vehicle::Vehicle>(course.vehicle).unwrap();
+        let mut settings = vehicle.settings().clone();
+        settings.motor.drag = 0.0;
+        vehicle.set_settings(settings).unwrap();
+        drop(vehicle);
+        course.drive(|input| input.hand_brake = 1.0);
+        course.run(settling(&plan));
+        course.drive(|input| input.hand_brake = 0.0);
+        let time = 3.0 * settling(&plan);
+        let along = Quat::from_rotation_x(slope) * Vec3::Z;
+        let before = f64::from(course.velocity().linear.dot(along));
+        course.run(time);
+        let gained = f64::from(course.velocity().linear.dot(along)) - before;
+        let wheels = 0.5 * f64::from(plan.wheel_mass) * 2.0 * plan.axles as f64;
+        let slope = f64::from(slope);
+        let force = 9.81 * f64::from(plan.mass) * (slope.sin() - 0.012 * slope.cos());
+        let expected = force / (f64::from(plan.mass) + wheels) * time;
+        crate::course::assert_near(gained, expected, 0.02, &format!("case {case}, speed after {time} s"));
+    }
+}
