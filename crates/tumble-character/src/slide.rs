@@ -78,14 +78,16 @@ impl Upright {
         Vec3::ZERO
     }
 
-    /// A way across the up axis that goes into none of some walls, which stand upright.
-    pub(crate) fn clipped_flat(&self, way: Vec3, walls: &[Vec3]) -> Vec3 {
-        let tolerance = way.length() * 1e-4;
-        let fits = |v: Vec3| walls.iter().all(|wall| v.dot(*wall) >= -tolerance);
-        if fits(way) {
-            return way;
+    /// A vector across the up axis that goes into none of some walls, which stand upright: along
+    /// one of them, or none.
+    pub(crate) fn clipped_flat(&self, vector: Vec3, walls: &[Plane], with_speed: bool) -> Vec3 {
+        let speed = |wall: &Plane| if with_speed { wall.speed } else { 0.0 };
+        let tolerance = vector.length() * 1e-4;
+        let fits = |v: Vec3| walls.iter().all(|wall| v.dot(wall.normal) >= speed(wall) - tolerance);
+        if fits(vector) {
+            return vector;
         }
-        let slid = walls.iter().rev().map(|wall| way - *wall * way.dot(*wall).min(0.0));
-        slid.into_iter().find(|slid| fits(*slid)).unwrap_or(Vec3::ZERO)
+        let off = |wall: &Plane| vector + wall.normal * (speed(wall) - vector.dot(wall.normal)).max(0.0);
+        walls.iter().rev().map(off).find(|slid| fits(*slid)).unwrap_or(Vec3::ZERO)
     }
 }

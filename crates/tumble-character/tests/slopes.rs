@@ -117,10 +117,10 @@ fn crests_do_not_launch_it() {
     }
 }
 
-/// Off the end of a ramp it flies as a stone would, and no higher.
+/// Off the end of a ramp it walks, and is not thrown up.
 #[test]
-fn off_a_ramp_it_flies_as_a_stone() {
-    for rate in [30, 60, 240] {
+fn the_end_of_a_ramp_does_not_throw_it_up() {
+    for rate in RATES {
         let mut stage = Stage::new(rate);
         let angle = degrees(30.0);
         let turn = Quat::from_rotation_z(angle);
@@ -130,10 +130,8 @@ fn off_a_ramp_it_flies_as_a_stone() {
         stage.steer(hero, Vec3::X * 5.0);
         let seen = stage.play(hero, 2.0);
         let highest = seen.iter().map(|it| it.position.y).fold(Real::MIN, Real::max);
-        let upward = 5.0 * angle.tan();
-        let stone = upward * upward / (2.0 * 9.81);
-        // The round foot lifts the sole a little above the ramp's end.
-        assert!(highest < stone + 0.12 && highest > 0.7 * stone, "{rate} Hz: {highest} for {stone}");
+        assert!(highest < 0.02 && highest > -0.3, "{rate} Hz: {highest}");
+        assert!(seen.last().unwrap().position.y < -1.0);
     }
 }
 

@@ -4,14 +4,21 @@ use tumble::math::{Real, Vec3};
 
 use crate::motion::{Hit, MAX_SLIDES, Motion};
 use crate::push::Push;
-use crate::slide::Plane;
 use crate::surroundings::Body;
 use crate::vectors::flat;
 
 impl Motion<'_> {
     /// Flies as the velocity and gravity have it, until it lands.
     pub(super) fn fly(&mut self, gravity: Vec3) {
-        let dt = self.around.dt;
+        self.fly_for(self.around.dt, gravity);
+    }
+
+    /// Goes on with its velocity for a time \[s\].
+    pub(super) fn glide(&mut self, time: Real) {
+        self.fly_for(time, Vec3::ZERO);
+    }
+
+    fn fly_for(&mut self, dt: Real, gravity: Vec3) {
         let before = self.state.velocity;
         let mut rest = before * dt + gravity * (0.5 * dt * dt);
         let mut velocity = before + gravity * dt;
@@ -20,9 +27,11 @@ impl Motion<'_> {
             velocity += self.up() * fall;
             rest += self.up() * (fall * dt).min(-rest.dot(self.up())).max(0.0);
         }
+        let free_velocity = velocity;
         let mut planes = self.held_by.clone();
         let mut slope = None;
-        rest = self.upright.clipped(rest, &planes, false);
+        let mut way = rest;
+        rest = self.upright.clipped(way, &planes, false);
         for _ in 0..MAX_SLIDES {
             let length = rest.length();
             if length < self.skin() * 1e-3 {
@@ -42,7 +51,8 @@ impl Motion<'_> {
             if free >= length {
                 break;
             }
-            rest *= 1.0 - free / length;
+            let left = 1.0 - free / length;
+            (way, rest) = (way * left, rest * left);
             self.touch(&hit);
             if self.is_landing(&hit, velocity) {
                 return self.land(&hit, velocity, rest);
@@ -52,11 +62,11 @@ impl Motion<'_> {
             }
             let plane = self.run_into(&hit, velocity);
             planes.push(plane);
-            rest = self.upright.clipped(rest, &planes, false);
-            velocity = self.upright.clipped(velocity, &planes, true);
+            rest = self.upright.clipped(way, &planes, false);
+            velocity = self.upright.clipped(free_velocity, &planes, true);
         }
         self.state.velocity = velocity;
-        self.end_flight(slope, velocity, before + gravity * dt);
+        self.end_flight(slope, velocity, free_velocity);
     }
 
     /// Where it is at the end of a flight without a landing: in the air, on a steep slope, or

@@ -6,7 +6,6 @@ use crate::motion::{Hit, Motion};
 use crate::slide::Plane;
 use crate::state::GroundState;
 use crate::surroundings::Body;
-use crate::vectors::{flat, unit};
 
 /// What is below the sole.
 #[derive(Clone, Copy, Debug)]
@@ -62,7 +61,10 @@ impl Motion<'_> {
             Some(_) if is_edge => Footing::Ground(hit, up),
             Some(under) if under.distance <= self.settings.radius + 2.0 * skin => {
                 let (entity, normal, point) = (under.entity, under.normal, under.point);
-                Footing::Ground(Hit { entity, normal, point, distance: hit.distance }, normal)
+                // Down to that ground, but not into the slope beside it.
+                let room = (hit.distance - skin / hit.normal.dot(up).max(0.1)).max(0.0);
+                let distance = (under.distance - self.settings.radius + skin).min(skin + room);
+                Footing::Ground(Hit { entity, normal, point, distance }, normal)
             }
             _ => Footing::Steep(hit),
         }
@@ -104,17 +106,10 @@ impl Motion<'_> {
         };
     }
 
-    /// It is in the air from now on, as fast as it was along the slope and with the ground.
+    /// It is in the air from now on, and keeps the speed across the up axis and that of the ground:
+    /// the end of a ramp does not throw it up.
     pub(super) fn leave_ground(&mut self) {
-        let (up, skin) = (self.up(), self.skin());
-        let outward = unit(flat(self.state.ground_point - self.position, up)).unwrap_or(Vec3::ZERO);
-        let from = self.state.ground_point + outward * (0.5 * skin) + up * (4.0 * skin);
-        let slope = self.ray(from, -up * (8.0 * skin)).map(|face| face.normal);
-        let velocity = match slope {
-            Some(normal) if self.upright.is_walkable(normal) => self.upright.lifted(self.state.velocity, normal),
-            _ => self.state.velocity,
-        };
-        self.state.velocity = velocity + self.state.ground_velocity;
+        self.state.velocity += self.state.ground_velocity;
         self.be_in_air();
     }
 

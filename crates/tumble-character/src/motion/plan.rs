@@ -26,8 +26,7 @@ impl Motion<'_> {
             self.jump(-gravity.dot(self.up()));
             self.fly(gravity);
         } else if self.state.is_grounded() {
-            self.walk(self.state.velocity * dt);
-            self.find_ground(self.settings.snap_distance);
+            self.walk_and_find_ground(dt);
         } else {
             self.fly(gravity);
         }
@@ -35,6 +34,23 @@ impl Motion<'_> {
         self.be_carried();
         self.be_pushed(own);
         self.outcome(gravity)
+    }
+
+    /// Walks for a time \[s\], in parts no longer than its radius, so that it stays on ground that
+    /// falls away whatever the step.
+    fn walk_and_find_ground(&mut self, time: Real) {
+        let parts = (self.state.velocity.length() * time / self.settings.radius).ceil().clamp(1.0, MAX_PARTS);
+        for part in 0..parts as u32 {
+            let left = parts - part as Real;
+            match self.state.ground {
+                GroundState::OnGround => {
+                    self.walk(self.state.velocity * (time / parts));
+                    self.find_ground(self.settings.snap_distance);
+                }
+                // It goes on straight for the rest of the step.
+                _ => return self.glide(time * left / parts),
+            }
+        }
     }
 
     /// Gravity along the up axis [m/s^2].
@@ -111,6 +127,9 @@ impl Motion<'_> {
         }
     }
 }
+
+/// The most parts of a walk in a step.
+const MAX_PARTS: Real = 8.0;
 
 /// How fast a velocity changes [m/s^2], if it does.
 struct CharacterRates {

@@ -7,8 +7,8 @@ use crate::vectors::{flat, unit};
 
 impl Motion<'_> {
     /// Takes a step on the way across the up axis \[m\] if there is one that is low enough. Returns
-    /// the way that is left and the normal of where it stands then.
-    pub(super) fn step_up(&mut self, way: Vec3) -> Option<(Vec3, Vec3)> {
+    /// the part of the way that is left and the normal of where it stands then.
+    pub(super) fn step_up(&mut self, way: Vec3) -> Option<(Real, Vec3)> {
         let (up, skin, most) = (self.up(), self.skin(), self.settings.step_height);
         let length = way.length();
         let direction = unit(way)?;
@@ -27,12 +27,13 @@ impl Motion<'_> {
             return None;
         }
         let over = lifted + direction * free;
-        let below = self.cast(over, -up * (lift + skin))?;
+        let below = self.cast(over, -up * (lift + 4.0 * skin))?;
         if below.distance <= 0.0 {
             return None;
         }
         let height = (below.point - self.position).dot(up);
-        let is_low = height <= most + skin * 0.1;
+        // Where there is no room above the step there is none on it.
+        let is_low = height <= most.min(lift) + skin * 0.1;
         if !is_low || !self.can_stand_on(&below) {
             return None;
         }
@@ -40,7 +41,7 @@ impl Motion<'_> {
         self.position = over - up * (below.distance - gap).max(0.0);
         self.touch(&below);
         let normal = if self.upright.is_walkable(below.normal) { below.normal } else { up };
-        Some((way * (1.0 - free / length), normal))
+        Some((1.0 - free / length, normal))
     }
 
     /// Whether it is ground that can be walked on, or the edge of such ground.

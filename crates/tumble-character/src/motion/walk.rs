@@ -3,15 +3,17 @@
 use tumble::math::Vec3;
 
 use crate::motion::{Hit, MAX_SLIDES, Motion};
+use crate::slide::Plane;
 use crate::vectors::{flat, unit};
 
 impl Motion<'_> {
     /// Goes a way across the up axis \[m\] along the ground.
     pub(super) fn walk(&mut self, way: Vec3) {
-        let mut rest = way;
+        let mut way = way;
         let mut normal = self.state.ground_normal;
-        let mut walls: Vec<Vec3> = self.held_by.iter().filter_map(|it| unit(flat(it.normal, self.up()))).collect();
-        rest = self.upright.clipped_flat(rest, &walls);
+        let own = self.state.velocity;
+        let mut walls: Vec<Plane> = self.held_by.iter().filter_map(|it| self.upright_wall(it)).collect();
+        let mut rest = self.upright.clipped_flat(way, &walls, false);
         for _ in 0..MAX_SLIDES {
             let lifted = self.upright.lifted(rest, normal);
             let length = lifted.length();
@@ -32,23 +34,26 @@ impl Motion<'_> {
             if free >= length {
                 break;
             }
-            rest *= 1.0 - free / length;
+            let left = 1.0 - free / length;
+            (way, rest) = (way * left, rest * left);
             self.touch(&hit);
             if self.upright.is_walkable(hit.normal) && !self.is_a_high_edge(&hit) {
                 (rest, normal) = self.onto_slope(rest, normal, hit.normal);
+                way = rest;
                 continue;
             }
             if let Some((left, landing)) = self.step_up(rest) {
-                (rest, normal) = (left, landing);
+                (way, rest, normal) = (way * left, rest * left, landing);
                 continue;
             }
             let Some(wall) = self.wall_of(&hit, normal) else {
                 self.stop_at(&hit);
                 break;
             };
-            walls.push(wall);
-            rest = self.upright.clipped_flat(rest, &walls);
-            self.lose_speed(&hit, wall, &walls);
+            let plane = self.run_into(&hit, own + self.state.ground_velocity);
+            walls.push(self.seen_from_ground(&plane, wall));
+            rest = self.upright.clipped_flat(way, &walls, false);
+            self.state.velocity = self.upright.clipped_flat(own, &walls, true);
         }
         self.state.ground_normal = normal;
     }
@@ -82,7 +87,7 @@ impl Motion<'_> {
     /// up there.
     fn is_a_high_edge(&self, hit: &Hit) -> bool {
         let height = (hit.point - self.position).dot(self.up());
-        if height <= self.settings.step_height + self.skin() {
+        if height <= self.settings.step_height + 0.1 * self.skin() {
             return false;
         }
         let face = self.face_beyond(hit);
@@ -95,18 +100,15 @@ impl Motion<'_> {
         self.state.velocity = Vec3::ZERO;
     }
 
-    /// What is left of its velocity at a wall, relative to the ground.
-    fn lose_speed(&mut self, hit: &Hit, wall: Vec3, walls: &[Vec3]) {
-        let own = self.state.velocity;
-        let world = own + self.state.ground_velocity;
-        let plane = self.run_into(hit, world);
-        // Along the wall, what moves away from it does not stop it.
+    /// The plane of something that stands in the way, as an upright wall.
+    fn upright_wall(&self, plane: &Plane) -> Option<Plane> {
+        let wall = unit(flat(plane.normal, self.up()))?;
+        Some(self.seen_from_ground(plane, wall))
+    }
+
+    fn seen_from_ground(&self, plane: &Plane, wall: Vec3) -> Plane {
         let speed = (plane.normal * plane.speed - self.state.ground_velocity).dot(wall);
-        if own.dot(wall) >= speed {
-            return;
-        }
-        let slid = own + wall * (speed - own.dot(wall));
-        let is_free = walls.iter().all(|it| *it == wall || slid.dot(*it) >= -1e-4 * own.length());
-        self.state.velocity = if is_free { slid } else { self.upright.clipped_flat(own, walls) };
+        // What comes near pushes it later, and does not throw it.
+        Plane { normal: wall, speed: speed.min(0.0) }
     }
 }

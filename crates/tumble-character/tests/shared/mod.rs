@@ -1,5 +1,5 @@
 //! A stage for characters: a world, what stands in it, and how it is played.
-#![allow(dead_code, clippy::unwrap_used, reason = "each test takes what it needs, and fails without it")]
+#![allow(dead_code, unreachable_pub, clippy::unwrap_used, reason = "each test takes what it needs, and fails without it")]
 
 use tumble::hecs::{Entity, World};
 use tumble::prelude::*;
