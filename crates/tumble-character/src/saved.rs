@@ -1,6 +1,6 @@
 //! The states of characters, kept beside a snapshot.
 
-use tumble::BodyId;
+use tumble::{BodyId, update_derived};
 use tumble::hecs::World;
 
 use crate::character::Character;
@@ -50,8 +50,9 @@ impl SavedCharacters {
         Self { states }
     }
 
-    /// Puts them back, and the colliders that go with them. Characters that were not there are left
-    /// as they are.
+    /// Puts them back, with the colliders that go with them, after the bodies have been put back:
+    /// what is derived from their momenta is [updated](tumble::update_derived). Characters that
+    /// were not there are left as they are.
     pub fn restore(&self, world: &mut World) {
         for (id, character, state, input, collider) in
             world.query_mut::<(&BodyId, &Character, &mut CharacterState, &mut CharacterInput, &mut tumble::Collider)>()
@@ -61,5 +62,6 @@ impl SavedCharacters {
             (*state, *input) = (saved_state, saved_input);
             *collider = character.collider(state.is_crouching).clone();
         }
+        update_derived(world);
     }
 }

@@ -32,6 +32,8 @@ pub(crate) struct Surroundings<'a> {
     pub(crate) queries: Queries<'a>,
     pub(crate) movers: Vec<Mover>,
     ignored: Vec<[Entity; 2]>,
+    /// Whether there is more than one character.
+    pub(crate) has_several: bool,
     /// Acceleration of gravity [m/s^2].
     pub(crate) gravity: Vec3,
     /// Length of the step \[s\].
@@ -52,7 +54,8 @@ impl<'a> Surroundings<'a> {
             .collect();
         movers.retain(|it| it.velocity.linear.is_finite() && it.velocity.angular.is_finite());
         let ignored = world.query::<&IgnoreContacts>().iter().map(|it| it.bodies).collect();
-        Self { world, queries, movers, ignored, gravity, dt }
+        let has_several = world.query::<&Character>().iter().nth(1).is_some();
+        Self { world, queries, movers, ignored, has_several, gravity, dt }
     }
 
     /// The bodies that pass through one.

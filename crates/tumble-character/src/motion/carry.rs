@@ -3,7 +3,7 @@
 use tumble::QueryFilter;
 use tumble::math::{Real, Vec3};
 
-use crate::motion::{Hit, Motion};
+use crate::motion::{Hit, Motion, REACH};
 use crate::slide::Plane;
 use crate::surroundings::{Body, Mover};
 use crate::vectors::unit;
@@ -58,7 +58,7 @@ impl Motion<'_> {
         let entity = mover.entity;
         let is_it = move |found| found == entity;
         let filter = self.filter().matching(&is_it);
-        let Some(hit) = self.cast_by(self.collider, start, direction * (length + 2.0 * skin), &filter) else { return };
+        let Some(hit) = self.cast_by(self.collider, start, direction * (length + REACH * skin), &filter) else { return };
         let there = own - mover.way_of(hit.point, dt);
         let rate = -direction.dot(hit.normal);
         let into = (there.dot(-hit.normal)).max(length * rate) - hit.distance * rate + skin;
@@ -96,7 +96,7 @@ impl Motion<'_> {
             let direction = rest / length;
             let is_other = |entity| !passed.contains(&entity);
             let filter: QueryFilter<'_> = self.filter().matching(&is_other);
-            let hit = self.cast_by(self.collider, self.position, direction * (length + 2.0 * skin), &filter);
+            let hit = self.cast_by(self.collider, self.position, direction * (length + REACH * skin), &filter);
             // What it is in already does not stop it.
             let Some(hit) = hit.filter(|hit| hit.distance > 0.0 || direction.dot(hit.normal) < -0.5) else {
                 self.position += rest;

@@ -38,7 +38,7 @@ impl Motion<'_> {
                 break;
             }
             let direction = rest / length;
-            let Some(hit) = self.cast(self.position, direction * (length + 2.0 * self.skin())) else {
+            let Some(hit) = self.look(self.position, direction, length) else {
                 self.position += rest;
                 break;
             };

@@ -2,7 +2,7 @@
 
 use tumble::math::{Real, Vec3};
 
-use crate::motion::{Hit, Motion};
+use crate::motion::{Hit, Motion, REACH};
 use crate::slide::Plane;
 use crate::state::GroundState;
 use crate::surroundings::Body;
@@ -131,7 +131,7 @@ impl Motion<'_> {
                 return true;
             }
             let direction = rest / length;
-            let Some(hit) = self.cast(position, direction * (length + 2.0 * self.skin())) else { return false };
+            let Some(hit) = self.cast(position, direction * (length + REACH * self.skin())) else { return false };
             let free = self.free_way(&hit, direction, length);
             if free >= length {
                 return false;

@@ -20,6 +20,9 @@ use crate::state::{CharacterInput, CharacterState};
 use crate::surroundings::{Body, Surroundings};
 use crate::touches::{CharacterTouches, Touch};
 
+/// How far ahead of a way it looks, in skins: it comes nearer than one where it grazes a surface
+/// by less than the inverse of this.
+const REACH: Real = 3.0;
 /// How often a way is bent in a step.
 const MAX_SLIDES: usize = 8;
 
@@ -118,6 +121,15 @@ impl<'a> Motion<'a> {
         self.cast_by(self.collider, from, way, &self.filter())
     }
 
+    /// What it meets on a way of unit length, or would come too near to at its end. Others that
+    /// come towards it are seen at twice the distance.
+    fn look(&self, from: Vec3, direction: Vec3, length: Real) -> Option<Hit> {
+        let near = length + REACH * self.skin();
+        let far = if self.around.has_several { near + length } else { near };
+        let hit = self.cast(from, direction * far)?;
+        (hit.distance <= near || self.around.is_character(hit.entity)).then_some(hit)
+    }
+
     fn cast_by(&self, collider: &Collider, from: Vec3, way: Vec3, filter: &QueryFilter<'_>) -> Option<Hit> {
         let pose = Pose { position: from, orientation: self.orientation() };
         let hit = self.around.queries.cast_shape(collider, &pose, way, filter)?;
@@ -141,10 +153,19 @@ impl<'a> Motion<'a> {
         (hit.point - deepest).dot(hit.normal)
     }
 
-    /// How far it can go along a way of unit length until it is as near as it may be.
+    /// How far it can go along a way of unit length until it is as near as it may be. Another
+    /// character, which may come as far in the same step, gets half of the room.
     fn free_way(&self, hit: &Hit, direction: Vec3, length: Real) -> Real {
         let rate = -direction.dot(hit.normal);
-        if rate <= 1e-6 { length } else { (hit.distance - self.skin() / rate).clamp(0.0, length) }
+        if rate <= 1e-6 {
+            return length;
+        }
+        let free = hit.distance - self.skin() / rate;
+        if !self.around.is_character(hit.entity) {
+            return free.clamp(0.0, length);
+        }
+        let gone = (self.start - self.position).dot(hit.normal).max(0.0);
+        (0.5 * (free - gone / rate)).clamp(0.0, length)
     }
 
     fn touch(&mut self, hit: &Hit) {

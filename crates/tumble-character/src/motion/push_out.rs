@@ -2,7 +2,7 @@
 
 use tumble::math::Real;
 
-use crate::motion::{Hit, Motion};
+use crate::motion::{Hit, Motion, REACH};
 use crate::slide::Plane;
 use crate::surroundings::Body;
 
@@ -56,7 +56,7 @@ impl Motion<'_> {
         let share = if self.around.is_character(hit.entity) { 0.5 } else { 1.0 };
         let wanted = ((self.depth(hit) + skin) * share).min(most).max(0.0);
         self.ignored.push(hit.entity);
-        let stop = self.cast(self.position, hit.normal * (wanted + 2.0 * skin));
+        let stop = self.cast(self.position, hit.normal * (wanted + REACH * skin));
         self.ignored.pop();
         let free = match stop {
             Some(stop) if stop.distance > 0.0 => self.free_way(&stop, hit.normal, wanted),

@@ -21,7 +21,7 @@ impl Motion<'_> {
             return None;
         }
         let lifted = self.position + up * lift;
-        let ahead = self.cast(lifted, direction * (length + 2.0 * skin));
+        let ahead = self.look(lifted, direction, length);
         let free = ahead.map_or(length, |hit| self.free_way(&hit, direction, length));
         if free < (length * 1e-2).max(skin * 1e-2) {
             return None;

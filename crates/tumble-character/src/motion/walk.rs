@@ -21,7 +21,7 @@ impl Motion<'_> {
                 break;
             }
             let direction = lifted / length;
-            let Some(hit) = self.cast(self.position, direction * (length + 2.0 * self.skin())) else {
+            let Some(hit) = self.look(self.position, direction, length) else {
                 self.position += lifted;
                 break;
             };
@@ -42,7 +42,8 @@ impl Motion<'_> {
                 way = rest;
                 continue;
             }
-            if let Some((left, landing)) = self.step_up(rest) {
+            let is_step = !self.around.is_character(hit.entity);
+            if let Some((left, landing)) = is_step.then(|| self.step_up(rest)).flatten() {
                 (way, rest, normal) = (way * left, rest * left, landing);
                 continue;
             }
