@@ -136,7 +136,7 @@ impl<'a> Plan<'a> {
         let settings = self.vehicle.settings();
         let shares: f64 = settings.wheels.iter().map(|wheel| f64::from(wheel.drive)).sum();
         let mut steps: Vec<WheelStep> =
-            (0..self.hubs.len()).map(|wheel| self.wheel_step(wheel, shares, world, wheels_on)).collect();
+            (0..self.hubs.len()).map(|wheel| self.wheel_step(wheel, shares, world, wheels_on, dt)).collect();
         let solved = solve(&self.chassis, &mut steps, &settings.anti_roll_bars, &settings.motor, gravity, dt);
         let Some(motion) = solved else {
             let state = at_rest(self.vehicle, self.state);
@@ -150,10 +150,17 @@ impl<'a> Plan<'a> {
         Outcome { entity: self.entity, state, pushes: self.pushes(world, &steps, dt) }
     }
 
-    fn wheel_step(&self, wheel: usize, shares: f64, world: &World, wheels_on: &BTreeMap<Entity, f64>) -> WheelStep {
+    fn wheel_step(
+        &self,
+        wheel: usize,
+        shares: f64,
+        world: &World,
+        wheels_on: &BTreeMap<Entity, f64>,
+        dt: f64,
+    ) -> WheelStep {
         let (settings, before) = (self.vehicle.settings().wheels[wheel], &self.state.wheels[wheel]);
         let drive = f64::from(settings.drive);
-        let footing = self.grounds[wheel].and_then(|ground| self.footing(wheel, &ground, world, wheels_on));
+        let footing = self.grounds[wheel].and_then(|ground| self.footing(wheel, &ground, world, wheels_on, dt));
         let Driver { throttle, brake, hand_brake, .. } = self.driver;
         let brake = brake * f64::from(settings.brake_torque) + hand_brake * f64::from(settings.hand_brake_torque);
         WheelStep {
@@ -179,6 +186,7 @@ impl<'a> Plan<'a> {
         ground: &Ground,
         world: &World,
         wheels_on: &BTreeMap<Entity, f64>,
+        dt: f64,
     ) -> Option<Footing> {
         let (hub, center) = (&self.hubs[wheel], self.chassis.body.position);
         let body = Rigid::of(world, ground.entity)?;
@@ -194,11 +202,20 @@ impl<'a> Plan<'a> {
         let forces = [before.suspension_force, before.longitudinal_force, before.lateral_force];
         let count = wheels_on.get(&ground.entity).copied().unwrap_or(1.0);
         let mut rows = directions.map(|direction| Row::new(direction, ground.point, center));
-        for (row, (direction, force)) in rows.iter_mut().zip(directions.into_iter().zip(forces)) {
-            row.ground = body.at_point(ground.point).dot(direction);
-            // All wheels on a body push it at once.
-            row.give = if body.is_dynamic() { (count + 1.0) * body.give(ground.point, direction) } else { 0.0 };
-            row.before = if was_there { force.into() } else { 0.0 };
+        for (i, row) in rows.iter_mut().enumerate() {
+            row.ground = body.at_point(ground.point).dot(directions[i]);
+            if !body.is_dynamic() {
+                continue;
+            }
+            let give = body.give(ground.point, directions[i]);
+            row.give = (count + 1.0) * give;
+            if was_there {
+                // What lies on something else gives way less than its mass would.
+                row.before = forces[i].into();
+                let expected = (dt * give * row.before).abs();
+                let found = (row.ground - before.ground[i]).abs();
+                row.give *= if found < expected { found / expected } else { 1.0 };
+            }
         }
         let [normal, along, across] = rows;
         Some(Footing { normal, tangents: [along, across], lean, compression: ground.compression })
@@ -217,7 +234,9 @@ impl<'a> Plan<'a> {
             force += push;
             torque += (ground.point - self.chassis.body.position).cross(push);
             if let Some(body) = Rigid::of(world, ground.entity).filter(Rigid::is_dynamic) {
-                pushes.push((ground.entity, -push, (ground.point - body.position).cross(-push)));
+                // In the course of the step the wheel rolls on, and the ground moves too.
+                let rolled = (self.chassis.body.linear - body.linear) * (0.5 * dt);
+                pushes.push((ground.entity, -push, (ground.point + rolled - body.position).cross(-push)));
             }
         }
         pushes.push((self.entity, force, torque));
@@ -241,7 +260,8 @@ impl<'a> Plan<'a> {
         }
         let [along, across] = footing.tangents.map(|row| row.speed(motion));
         let rim = step.end_spin * f64::from(step.settings.radius);
-        let speed = along.abs().max(rim.abs());
+        // At rest there is no slip, whatever the last bits of the speeds say.
+        let speed = along.abs().max(rim.abs()).max(step.still_speed(gravity));
         state.contact = Some(WheelContact {
             ground: ground.entity,
             point: vec3(ground.point),
@@ -253,8 +273,10 @@ impl<'a> Plan<'a> {
         state.longitudinal_force = real(step.forces[0]);
         state.lateral_force = real(step.forces[1]);
         state.compression = real(ground.compression.max(0.0));
-        state.slip_ratio = if speed > 0.0 { real((rim - along) / speed) } else { 0.0 };
-        state.slip_angle = real(libm::atan2(across, along.abs()));
+        state.slip_ratio = real((rim - along) / speed);
+        state.slip_angle = real(libm::atan2(across, along.abs().max(step.still_speed(gravity))));
+        let [on, off] = footing.tangents;
+        state.ground = [footing.normal.ground, on.ground, off.ground];
         state.shear = step.end_shear(motion, dt, gravity);
         state
     }

@@ -10,6 +10,9 @@ use crate::wheel_step::{Motion, Row, WheelStep};
 /// load (`vehicle_solver.rs`).
 const ITERATIONS: usize = 8;
 
+/// No more of them where the velocity changes by less than this part of that of a step of fall.
+const SOLVED: f64 = 1e-6;
+
 /// Equations of six velocities.
 struct Equations {
     matrix: [[f64; 6]; 6],
@@ -103,6 +106,8 @@ pub(crate) fn solve(
     h: f64,
 ) -> Option<Motion> {
     let mut motion = Motion::of(&chassis.body);
+    // The radius of gyration turns angular velocities into velocities.
+    let size = (chassis.inertia.x_axis.x.max(chassis.inertia.y_axis.y) / chassis.mass).sqrt();
     for wheel in wheels.iter_mut() {
         let speed = wheel.footing.map_or(0.0, |footing| -footing.normal.speed(&motion));
         wheel.suspension = wheel.spring(speed, 0.0, h).0;
@@ -118,10 +123,15 @@ pub(crate) fn solve(
                 }
             }
         }
+        let before = motion;
         motion = equations.solve()?;
         take_springs(wheels, &springs, &motion);
         for wheel in wheels.iter_mut() {
             wheel.take_forces(&motion, motor, h);
+        }
+        let change = (motion.linear - before.linear).length() + (motion.angular - before.angular).length() * size;
+        if change < SOLVED * (gravity * h + motion.linear.length() * 1e-3) {
+            break;
         }
     }
     for wheel in wheels.iter_mut() {

@@ -77,6 +77,8 @@ pub struct WheelState {
     pub slip_angle: Real,
     /// Shear of the tyre \[m\], along and across.
     pub(crate) shear: [f64; 2],
+    /// Velocity of the ground along the normal, along and across [m/s].
+    pub(crate) ground: [f64; 3],
 }
 
 /// What the wheels of a vehicle do and what they remember: a component that

@@ -154,6 +154,11 @@ impl WheelStep {
         (speed, h * speed / length, still * length / (length + speed * still))
     }
 
+    /// Below this a wheel stands: speeds scale with the root of gravity and radius [m/s].
+    pub(crate) fn still_speed(&self, gravity: f64) -> f64 {
+        0.01 * (gravity * f64::from(self.settings.radius)).sqrt() + 1e-9
+    }
+
     /// Makes the lines of the tyre at a motion of the chassis.
     pub(crate) fn update_lines(&mut self, motion: &Motion, motor: &Motor, h: f64, gravity: f64) {
         let Some(footing) = self.footing else { return };
@@ -164,7 +169,7 @@ impl WheelStep {
         let over_ground = [speeds[0] - self.end_spin * radius, speeds[1]];
         let lines = [0, 1].map(|i| self.shear_lines(i, rolled, h, damping)[1]);
         let strain = [0, 1].map(|i| (lines[i].0 - lines[i].1 * over_ground[i]) / self.rubber.length);
-        let slip = over_ground.map(|it| it / (speed + 0.01 * (gravity * radius).sqrt() + 1e-9));
+        let slip = over_ground.map(|it| it / (speed + self.still_speed(gravity)));
         let part = self.rubber.part(strain);
         let force = self.rubber.sticking(part).min(self.rubber.sliding(self.rubber.part(slip)));
         let secant = if part > 1e-9 { force / part } else { 1.0 };
@@ -204,15 +209,17 @@ impl WheelStep {
         self.end_spin = self.spin_under(self.forces[0], motor, h);
     }
 
-    /// No force beyond the friction ellipse of the load.
+    /// No force beyond the friction ellipse of the load, which the forces change where the ground
+    /// leans: `scale part = (suspension - scale pressed) / normal`.
     pub(crate) fn limit_forces(&mut self, motor: &Motor, h: f64) {
-        let load = self.load();
-        let [along, across] = [0, 1].map(|i| self.forces[i] / (self.rubber.friction[i] * load).max(f64::MIN_POSITIVE));
-        let part = (along * along + across * across).sqrt();
-        if load <= 0.0 {
-            self.forces = [0.0; 2];
-        } else if part > 1.0 {
-            self.forces = self.forces.map(|force| force / part);
+        if let Some(footing) = &self.footing {
+            let [normal, along, across] = footing.lean;
+            let parts = [0, 1].map(|i| self.forces[i] / self.rubber.friction[i]);
+            let part = (parts[0] * parts[0] + parts[1] * parts[1]).sqrt();
+            let needed = normal * part + self.forces[0] * along + self.forces[1] * across;
+            if needed > self.suspension {
+                self.forces = self.forces.map(|force| force * (self.suspension / needed));
+            }
         }
         self.end_spin = self.spin_under(self.forces[0], motor, h);
     }

@@ -2,7 +2,9 @@
 
 use tumble::hecs::{Entity, World};
 use tumble::prelude::*;
-use tumble_vehicle::{DrivenWheels, Probe, VehicleInput, VehiclePlan, VehicleState, WheelState, drive_vehicles};
+use tumble_vehicle::{
+    DrivenWheels, Probe, Vehicle, VehicleInput, VehiclePlan, VehicleState, WheelState, drive_vehicles,
+};
 
 /// Gravity of the default settings [m/s^2].
 pub(crate) const GRAVITY: f64 = 9.81;
@@ -82,6 +84,33 @@ impl Course {
         Self::on_plane(plan, dt, Quat::IDENTITY, 0.0)
     }
 
+    /// On random hills up to a height \[m\], a size of this many vehicles' lengths.
+    pub(crate) fn on_hills(plan: &VehiclePlan, dt: Real, draw: &mut Draw, height: f64, [x, z]: [usize; 2]) -> Self {
+        let mut world = World::new();
+        let spacing = 0.6 * f64::from(plan.length);
+        RigidBody::new(Shape::Point)
+            .fixed()
+            .collider(hills(draw, height, spacing, [x, z]))
+            .build()
+            .unwrap()
+            .spawn(&mut world);
+        let from = Vec3::Z * (-0.45 * spacing * z as f64) as Real;
+        let down = Ray::new(from + Vec3::Y * 1e3, -Vec3::Y);
+        let ground = Queries::of(&world).cast_ray(&down, &QueryFilter::new()).unwrap().point;
+        let vehicle = plan.spawn(&mut world, Pose::at(ground + Vec3::Y * (0.3 * height) as Real)).unwrap();
+        let simulation = Simulation::new(Settings::default().with_dt(dt)).unwrap();
+        Self { world, simulation, vehicle }
+    }
+
+    /// How far the middle of the chassis is above the ground \[m\], or below.
+    pub(crate) fn above_ground(&self) -> Option<Real> {
+        let place = self.pose().position;
+        let down = Ray::new(place + Vec3::Y * 1e3, -Vec3::Y);
+        let filter = QueryFilter::new().without(self.vehicle);
+        let hit = self.simulation.queries(&self.world).cast_ray(&down, &filter)?;
+        Some(place.y - hit.point.y)
+    }
+
     pub(crate) fn step(&mut self) {
         drive_vehicles(&mut self.world, &self.simulation);
         self.simulation.step(&mut self.world);
@@ -117,12 +146,49 @@ impl Course {
         self.state().wheels().to_vec()
     }
 
+    /// Kinetic energy of body and wheels, and what is in height, springs and bars \[J\].
+    pub(crate) fn energy(&self) -> f64 {
+        let (pose, velocity) = (self.pose(), self.velocity());
+        let momentum = *self.world.get::<&Momentum>(self.vehicle).unwrap();
+        let mass = f64::from(self.world.get::<&Mass>(self.vehicle).unwrap().kilograms());
+        let gravity = self.simulation.settings().gravity;
+        let (linear, angular) = (momentum.linear.dot(velocity.linear), momentum.angular.dot(velocity.angular));
+        let mut energy = 0.5 * f64::from(linear + angular) - mass * f64::from(gravity.dot(pose.position));
+        let (wheels, vehicle) = (self.wheels(), self.world.get::<&Vehicle>(self.vehicle).unwrap());
+        for (wheel, state) in vehicle.settings().wheels.iter().zip(&wheels) {
+            let x = f64::from(state.compression);
+            let beyond = (x - f64::from(wheel.suspension.travel)).max(0.0);
+            energy += 0.5 * f64::from(wheel.suspension.stiffness) * x * x;
+            energy += 0.5 * f64::from(wheel.suspension.bump_stiffness) * beyond * beyond;
+            energy += 0.5 * f64::from(wheel.inertia) * f64::from(state.spin).powi(2);
+        }
+        for bar in &vehicle.settings().anti_roll_bars {
+            let [a, b] = bar.wheels.map(|wheel| f64::from(wheels[wheel].compression));
+            energy += 0.5 * f64::from(bar.stiffness) * (a - b).powi(2);
+        }
+        energy
+    }
+
     /// Gives the vehicle a speed along z, wheels that roll included.
     pub(crate) fn launch(&mut self, plan: &VehiclePlan, speed: Real) {
         set_linear_velocity(&mut self.world, self.vehicle, Vec3::Z * speed).unwrap();
         let mut state = self.world.get::<&mut VehicleState>(self.vehicle).unwrap();
         (0..2 * plan.axles).for_each(|wheel| state.set_spin(wheel, speed / plan.wheel_radius));
     }
+}
+
+/// A height field of sines and bumps.
+fn hills(draw: &mut Draw, height: f64, spacing: f64, [columns, rows]: [usize; 2]) -> Collider {
+    let waves: Vec<[f64; 3]> =
+        (0..6).map(|_| [draw.between(-0.6, 0.6), draw.between(-0.6, 0.6), draw.between(0.0, 6.0)]).collect();
+    let heights: Vec<f64> = (0..rows * columns)
+        .map(|i| {
+            let (x, z) = ((i % columns) as f64, (i / columns) as f64);
+            let swell: f64 = waves.iter().map(|[a, b, c]| (a * x + b * z + c).sin()).sum();
+            height * (swell / 6.0 + 0.15 * draw.between(-1.0, 1.0))
+        })
+        .collect();
+    Collider::height_field(&heights, columns, [spacing, spacing]).unwrap()
 }
 
 /// Time in which the body comes to rest on its springs \[s\].

@@ -12,7 +12,12 @@
 )]
 
 mod at_rest;
+mod bounds;
 mod course;
+mod exchange;
+mod same_bits;
+mod settings;
 mod statics;
 mod straight;
+mod terrain;
 mod turning;
