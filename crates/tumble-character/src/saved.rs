@@ -1,7 +1,7 @@
 //! The states of characters, kept beside a snapshot.
 
-use tumble::{BodyId, update_derived};
 use tumble::hecs::World;
+use tumble::{BodyId, update_derived};
 
 use crate::character::Character;
 use crate::state::{CharacterInput, CharacterState};

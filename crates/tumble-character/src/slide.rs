@@ -36,13 +36,13 @@ impl Upright {
         if rise < 0.05 { way } else { way - self.up * (way.dot(normal) / rise) }
     }
 
-    /// A velocity after it has met a plane. Steep ground turns no speed across the up axis into
-    /// height.
+    /// A velocity after it has met a plane. No ground turns speed across the up axis into height:
+    /// what lands on it walks up, and does not fly up.
     fn along(&self, velocity: Vec3, plane: Plane, speed: Real) -> Vec3 {
         let off = |v: Vec3, n: Vec3, speed: Real| v + n * (speed - v.dot(n)).max(0.0);
         let slid = off(velocity, plane.normal, speed);
         let most = velocity.dot(self.up).max(0.0);
-        if !self.is_steep(plane.normal) || slid.dot(self.up) <= most || speed > 0.0 {
+        if plane.normal.dot(self.up) <= 0.02 || slid.dot(self.up) <= most || speed > 0.0 {
             return slid;
         }
         let Some(wall) = unit(flat(plane.normal, self.up)) else { return slid };

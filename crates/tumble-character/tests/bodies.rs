@@ -46,7 +46,8 @@ fn a_heavy_box_gets_no_more_than_its_strength() {
         let ice = Material::default().with_friction(0.0);
         let ground = RigidBody::new(Shape::cuboid([50.0, 1.0, 50.0])).fixed().material(ice.clone()).position(-Vec3::Y);
         ground.build().unwrap().spawn(&mut stage.world);
-        let heavy = RigidBody::new(Shape::cuboid([0.5; 3])).mass(5000.0).material(ice).position(Vec3::new(0.81, 0.5, 0.0));
+        let heavy =
+            RigidBody::new(Shape::cuboid([0.5; 3])).mass(5000.0).material(ice).position(Vec3::new(0.81, 0.5, 0.0));
         let heavy = heavy.build().unwrap().spawn(&mut stage.world);
         let hero = stage.hero(Vec3::ZERO);
         stage.play(hero, 0.2);
@@ -108,7 +109,8 @@ fn it_weighs_what_is_set() {
         let hero = stage.hero(Vec3::new(0.2, 0.25, 0.1));
         stage.play(hero, 2.0);
         let contacts = stage.simulation.contacts().filter(|it| it.bodies.contains(&slab) && !it.bodies.contains(&hero));
-        let force = contacts.map(|it| it.impulse().length()).sum::<Real>() / stage.simulation.settings().contact_substep();
+        let force =
+            contacts.map(|it| it.impulse().length()).sum::<Real>() / stage.simulation.settings().contact_substep();
         assert!((force / (180.0 * 9.81) - 1.0).abs() < 0.01, "{rate} Hz: {force} N");
     }
 }

@@ -22,7 +22,6 @@ fn strides(stage: &mut Stage, hero: Entity, seconds: Real) -> (Real, Real, bool)
     (least, most, grounded)
 }
 
-
 #[test]
 fn speed_does_not_dip_on_tiles_and_meshes() {
     for rate in RATES {
@@ -159,7 +158,10 @@ fn every_scale_walks() {
         let place = Vec3::new(far, 0.0, -far);
         let half = Vec3::new(height * 20.0, height, height * 20.0);
         stage.block(place - Vec3::Y * height, half);
-        stage.block(place + Vec3::new(height * 12.0, height * 0.05, 0.0), Vec3::new(height * 10.0, height * 0.05, half.z));
+        stage.block(
+            place + Vec3::new(height * 12.0, height * 0.05, 0.0),
+            Vec3::new(height * 10.0, height * 0.05, half.z),
+        );
         let settings = CharacterSettings::of_height(height);
         let hero = stage.character(settings, place);
         stage.play(hero, 0.3);

@@ -58,7 +58,9 @@ impl Motion<'_> {
         let entity = mover.entity;
         let is_it = move |found| found == entity;
         let filter = self.filter().matching(&is_it);
-        let Some(hit) = self.cast_by(self.collider, start, direction * (length + REACH * skin), &filter) else { return };
+        let Some(hit) = self.cast_by(self.collider, start, direction * (length + REACH * skin), &filter) else {
+            return;
+        };
         let there = own - mover.way_of(hit.point, dt);
         let rate = -direction.dot(hit.normal);
         let into = (there.dot(-hit.normal)).max(length * rate) - hit.distance * rate + skin;

@@ -1,9 +1,16 @@
 //! A stage for characters: a world, what stands in it, and how it is played.
-#![allow(dead_code, unreachable_pub, clippy::unwrap_used, reason = "each test takes what it needs, and fails without it")]
+#![allow(
+    dead_code,
+    unreachable_pub,
+    clippy::unwrap_used,
+    reason = "each test takes what it needs, and fails without it"
+)]
 
 use tumble::hecs::{Entity, World};
 use tumble::prelude::*;
-use tumble_character::{Character, CharacterInput, CharacterSettings, CharacterState, CharacterTouches, move_characters};
+use tumble_character::{
+    Character, CharacterInput, CharacterSettings, CharacterState, CharacterTouches, move_characters,
+};
 
 /// The height of most characters [m].
 pub const HEIGHT: Real = 1.8;
