@@ -44,6 +44,9 @@ impl Motion<'_> {
             };
             if self.is_inside(&hit) {
                 self.push_out();
+                planes.extend_from_slice(&self.held_by);
+                rest = self.upright.clipped(way, &planes, false);
+                velocity = self.upright.clipped(free_velocity, &planes, true);
                 continue;
             }
             let free = self.free_way(&hit, direction, length);

@@ -1,6 +1,6 @@
 //! Out of what a character overlaps.
 
-use tumble::math::Real;
+use tumble::math::{Real, Vec3};
 
 use crate::motion::{Hit, Motion, REACH};
 use crate::slide::Plane;
@@ -50,24 +50,44 @@ impl Motion<'_> {
         has_changed
     }
 
-    /// Goes along the normal of what it overlaps until it is the skin away, but not into others.
+    /// Goes along the normal of what it overlaps until it is the skin away, or as far along what is
+    /// in the way of that. Returns how far it has gone.
     fn leave(&mut self, hit: &Hit, most: Real) -> Real {
-        let skin = self.skin();
         let share = if self.around.is_character(hit.entity) { 0.5 } else { 1.0 };
-        let wanted = ((self.depth(hit) + skin) * share).min(most).max(0.0);
+        let wanted = ((self.depth(hit) + self.skin()) * share).max(0.0);
         self.ignored.push(hit.entity);
-        let stop = self.cast(self.position, hit.normal * (wanted + REACH * skin));
-        self.ignored.pop();
-        let free = match stop {
-            Some(stop) if stop.distance > 0.0 => self.free_way(&stop, hit.normal, wanted),
-            Some(stop) if stop.normal.dot(hit.normal) < -0.1 => 0.0,
-            _ => wanted,
-        };
-        self.position += hit.normal * free;
-        if free < 0.5 * wanted && stop.is_some() {
-            self.state.is_crushed = true;
+        let (first, stop) = self.go_out(hit.normal, wanted.min(most));
+        let mut gone = first;
+        let missing = wanted - first;
+        let mut is_stopped = stop.is_some();
+        if let Some(stop) = stop
+            && missing > 0.0
+        {
+            let along = hit.normal - stop * hit.normal.dot(stop);
+            let rate = along.dot(hit.normal);
+            if rate > 0.05 {
+                let length = along.length();
+                let wanted = (missing * length / rate).min(most - first);
+                let (second, stop) = self.go_out(along / length, wanted);
+                (gone, is_stopped) = (first + second, stop.is_some());
+            }
         }
-        free
+        self.ignored.pop();
+        self.state.is_crushed |= is_stopped && gone < 0.5 * wanted.min(most);
+        gone
+    }
+
+    /// Goes a way of unit length as far as there is room: how far, and the normal of what stops it.
+    fn go_out(&mut self, direction: Vec3, length: Real) -> (Real, Option<Vec3>) {
+        let hit = self.cast(self.position, direction * (length + REACH * self.skin()));
+        let hit = hit.filter(|hit| hit.distance > 0.0 || hit.normal.dot(direction) < -0.1);
+        let free = match &hit {
+            Some(hit) if hit.distance > 0.0 => self.free_way(hit, direction, length),
+            Some(_) => 0.0,
+            None => length,
+        };
+        self.position += direction * free;
+        (free, hit.filter(|_| free < length).map(|hit| hit.normal))
     }
 
     fn hold(&mut self, hit: &Hit, is_dynamic: bool) {

@@ -27,6 +27,9 @@ impl Motion<'_> {
             };
             if self.is_inside(&hit) {
                 self.push_out();
+                walls.extend(self.held_by.iter().filter_map(|it| self.upright_wall(it)));
+                rest = self.upright.clipped_flat(way, &walls, false);
+                self.state.velocity = self.upright.clipped_flat(own, &walls, true);
                 continue;
             }
             let free = self.free_way(&hit, direction, length);
