@@ -11,6 +11,7 @@
 mod drive_torque;
 mod drive_vehicles;
 mod error;
+mod jointed;
 mod plan;
 mod precision;
 mod probe;
@@ -24,6 +25,7 @@ mod wheel_step;
 
 pub use drive_vehicles::drive_vehicles;
 pub use error::VehicleError;
+pub use jointed::{JointedVehicle, JointedWheel, drive_jointed_vehicles};
 pub use plan::{DrivenWheels, VehiclePlan};
 pub use settings::{AntiRollBar, MAX_WHEELS, Motor, Probe, Suspension, Tyre, VehicleSettings, Wheel};
 pub use state::{VehicleInput, VehicleState, WheelContact, WheelState};

@@ -254,7 +254,7 @@ impl VehiclePlan {
     }
 
     /// The spring of a wheel: its own part of the mass at the frequency of the plan.
-    fn suspension(&self, axle: usize) -> Suspension {
+    pub(crate) fn suspension(&self, axle: usize) -> Suspension {
         let mass = self.mass * self.load_share(axle);
         let frequency = self.circular_frequency();
         let damping = 2.0 * self.damping_ratio * mass * frequency;

@@ -15,6 +15,7 @@ mod at_rest;
 mod bounds;
 mod course;
 mod exchange;
+mod jointed;
 mod same_bits;
 mod settings;
 mod statics;
