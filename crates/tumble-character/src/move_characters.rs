@@ -17,10 +17,10 @@ const MIN_SHARED: usize = 64;
 const PART: usize = 16;
 
 /// A character as it is before the step.
-struct Before {
+struct Before<'a> {
     entity: Entity,
     id: Option<BodyId>,
-    character: Character,
+    character: &'a Character,
     state: CharacterState,
     input: CharacterInput,
     position: Vec3,
@@ -55,64 +55,58 @@ struct Before {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn move_characters(world: &mut World, simulation: &Simulation) {
-    let before = characters(world);
-    if before.is_empty() {
-        return;
-    }
-    let settings = simulation.settings();
-    let outcomes = {
-        let queries = simulation.queries(world);
-        let around = Surroundings::new(world, queries, settings.gravity, settings.dt);
-        let plan = |it: &Before| {
-            let who = (&it.character, it.state, it.input);
-            Motion::new(&around, it.entity, who, it.position).plan()
-        };
-        if before.len() < MIN_SHARED {
-            before.iter().map(plan).collect::<Vec<_>>()
-        } else {
-            before.par_iter().with_min_len(PART).map(plan).collect()
-        }
-    };
-    for (before, outcome) in before.iter().zip(outcomes) {
-        apply(world, before, &outcome);
+    for (entity, outcome) in outcomes(world, simulation) {
+        apply(world, entity, outcome);
     }
 }
 
-/// The characters in order.
-fn characters(world: &World) -> Vec<Before> {
+/// What becomes of the characters, in order.
+fn outcomes(world: &World, simulation: &Simulation) -> Vec<(Entity, Outcome)> {
     let mut query = world.query::<(Entity, Option<&BodyId>, &Character, &CharacterState, &CharacterInput, &Pose)>();
-    let found = query.iter().filter(|(.., pose)| pose.position.is_finite());
-    let mut found: Vec<_> = found
+    let mut before: Vec<_> = query
+        .iter()
+        .filter(|(.., pose)| pose.position.is_finite())
         .map(|(entity, id, character, state, input, pose)| Before {
             entity,
             id: id.copied(),
-            character: character.clone(),
+            character,
             state: *state,
             input: *input,
             position: pose.position,
         })
         .collect();
-    found.sort_unstable_by_key(|it| (it.id.is_none(), it.id, it.entity.id()));
-    found
+    if before.is_empty() {
+        return Vec::new();
+    }
+    before.sort_unstable_by_key(|it| (it.id.is_none(), it.id, it.entity.id()));
+    let settings = simulation.settings();
+    let around = Surroundings::new(world, simulation.queries(world), settings.gravity, settings.dt);
+    let plan = |it: &Before<'_>| {
+        let who = (it.character, it.state, it.input);
+        (it.entity, Motion::new(&around, it.entity, who, it.position).plan())
+    };
+    if before.len() < MIN_SHARED {
+        before.iter().map(plan).collect()
+    } else {
+        before.par_iter().with_min_len(PART).map(plan).collect()
+    }
 }
 
-fn apply(world: &World, before: &Before, outcome: &Outcome) {
-    let Ok(entity) = world.entity(before.entity) else { return };
-    if let Some(mut velocity) = entity.get::<&mut Velocity>() {
-        let up = before.character.settings().up;
-        *velocity = Velocity { linear: outcome.velocity, angular: up * outcome.yaw_rate };
+fn apply(world: &World, entity: Entity, outcome: Outcome) {
+    let Ok(found) = world.entity(entity) else { return };
+    if let Some(mut velocity) = found.get::<&mut Velocity>() {
+        *velocity = outcome.velocity;
     }
-    if let Some(mut state) = entity.get::<&mut CharacterState>() {
+    if let Some(mut state) = found.get::<&mut CharacterState>() {
         *state = outcome.state;
     }
-    if let Some(mut touches) = entity.get::<&mut CharacterTouches>() {
+    if let Some(mut touches) = found.get::<&mut CharacterTouches>() {
         *touches = outcome.touches;
     }
-    let wanted = before.character.collider(outcome.state.is_crouching);
-    if let Some(mut collider) = entity.get::<&mut Collider>()
-        && *collider != *wanted
+    if let Some(new) = outcome.collider
+        && let Some(mut collider) = found.get::<&mut Collider>()
     {
-        *collider = wanted.clone();
+        *collider = new;
     }
     outcome.pushes.iter().for_each(|push| push.apply(world));
     outcome.weight.iter().for_each(|weight| weight.apply(world));

@@ -84,6 +84,10 @@ impl<'a> Surroundings<'a> {
         self.world.satisfies::<&Character>(entity)
     }
 
+    pub(crate) fn collider_of(&self, entity: Entity) -> Option<Collider> {
+        self.world.get::<&Collider>(entity).ok().map(|it| (*it).clone())
+    }
+
     /// How little a dynamic body moves when it is pushed at a point along a direction [1/kg].
     pub(crate) fn mobility(&self, entity: Entity, arm: Vec3, direction: Vec3) -> Real {
         let Ok(found) = self.world.entity(entity) else { return 0.0 };

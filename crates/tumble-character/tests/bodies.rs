@@ -133,6 +133,18 @@ fn dynamic_bodies_bounce_off_it() {
     assert!(stage.position(brick).y < 2.5);
 }
 
+#[test]
+fn a_ball_is_kicked_and_not_stepped_on() {
+    let mut stage = Stage::with_ground(60);
+    let ball = RigidBody::new(Shape::sphere(0.11)).mass(0.45).position(Vec3::new(2.0, 0.11, 0.0));
+    let ball = ball.build().unwrap().spawn(&mut stage.world);
+    let hero = stage.hero(Vec3::ZERO);
+    stage.steer(hero, Vec3::X * 4.0);
+    let highest = stage.play(hero, 2.0).iter().map(|it| it.position.y).fold(0.0, Real::max);
+    assert!(highest < 0.01, "{highest}");
+    assert!(stage.position(ball).x > stage.position(hero).x, "{}", stage.position(ball));
+}
+
 /// Thrown into a heap of boxes it gets through or stands still, and nothing explodes.
 #[test]
 fn a_heap_of_boxes_stays_a_heap() {

@@ -207,3 +207,31 @@ fn dynamic_ground_carries_it() {
         assert!(stage.position(cart).x > 1.5);
     }
 }
+
+/// A platform that goes under a wall leaves the character in front of it.
+#[test]
+fn a_wall_keeps_it_from_being_carried_on() {
+    for rate in RATES {
+        let mut stage = Stage::new(rate);
+        stage.mover(Vec3::Y * -0.25, Vec3::new(20.0, 0.25, 3.0), linear(Vec3::X * 3.0));
+        stage.block(Vec3::new(3.0, 2.0, 0.0), Vec3::new(0.5, 1.95, 3.0));
+        let hero = stage.hero(Vec3::ZERO);
+        for seen in stage.play(hero, 3.0) {
+            assert!(seen.position.x < 2.2 + 2e-3 && seen.position.y.abs() < 0.01, "{rate} Hz: {}", seen.position);
+        }
+        assert!(stage.position(hero).x > 2.1);
+    }
+}
+
+#[test]
+fn a_lift_under_a_ceiling_crushes_and_does_not_lift_it_through() {
+    for rate in RATES {
+        let mut stage = Stage::new(rate);
+        stage.block(Vec3::new(0.0, 4.5, 0.0), Vec3::new(5.0, 0.5, 5.0));
+        stage.mover(Vec3::Y * -0.25, SLAB, linear(Vec3::Y * 1.5));
+        let hero = stage.hero(Vec3::ZERO);
+        let seen = stage.play(hero, 1.8);
+        assert!(seen.iter().any(|it| it.state.is_crushed), "{rate} Hz");
+        assert!(seen.iter().all(|it| it.position.y < 2.3), "{rate} Hz: {:?}", seen.last());
+    }
+}

@@ -10,7 +10,7 @@ mod walk;
 
 use tumble::hecs::Entity;
 use tumble::math::{Quat, Real, Vec3};
-use tumble::{Collider, Pose, QueryFilter, Ray, RayHit};
+use tumble::{Collider, Pose, QueryFilter, Ray, RayHit, Velocity};
 
 use crate::character::Character;
 use crate::push::{Push, Weight};
@@ -51,8 +51,9 @@ pub(crate) struct Motion<'a> {
 /// What the step makes of a character.
 #[derive(Clone, Debug)]
 pub(crate) struct Outcome {
-    pub(crate) velocity: Vec3,
-    pub(crate) yaw_rate: Real,
+    pub(crate) velocity: Velocity,
+    /// Another one, where it has crouched or stood up.
+    pub(crate) collider: Option<Collider>,
     pub(crate) state: CharacterState,
     pub(crate) touches: CharacterTouches,
     pub(crate) pushes: Vec<Push>,

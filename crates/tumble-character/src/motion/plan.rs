@@ -1,11 +1,12 @@
 //! The order of things in a step of one character.
 
 use tumble::math::{Real, Vec3};
+use tumble::{Collider, Velocity};
 
 use crate::motion::{Motion, Outcome};
 use crate::push::Weight;
 use crate::settings::Turning;
-use crate::state::GroundState;
+use crate::state::{CharacterState, GroundState};
 use crate::surroundings::Body;
 use crate::vectors::{flat, limited};
 
@@ -109,18 +110,25 @@ impl Motion<'_> {
         self.be_in_air();
     }
 
+    /// The collider that goes with how it stands, if the body has another.
+    fn changed_collider(&self) -> Option<Collider> {
+        let now = self.around.collider_of(self.entity)?;
+        (now != *self.collider).then(|| self.collider.clone())
+    }
+
     fn outcome(self, gravity: Vec3) -> Outcome {
         let velocity = (self.position - self.start) / self.around.dt;
         let is_sane = velocity.is_finite() && self.state.velocity.is_finite();
+        let linear = if is_sane { velocity } else { Vec3::ZERO };
         let follows = self.settings.turning == Turning::WithGround;
         let weight = self.state.ground_entity.filter(|_| self.state.is_grounded());
         let weight = weight.filter(|it| matches!(self.around.body(*it), Body::Dynamic(_)));
         let weight =
             weight.map(|entity| Weight { entity, point: self.state.ground_point, force: gravity * self.settings.mass });
         Outcome {
-            velocity: if is_sane { velocity } else { Vec3::ZERO },
-            yaw_rate: if follows { self.state.yaw_rate } else { 0.0 },
-            state: if is_sane { self.state } else { Default::default() },
+            velocity: Velocity { linear, angular: self.settings.up * if follows { self.state.yaw_rate } else { 0.0 } },
+            collider: self.changed_collider(),
+            state: if is_sane { self.state } else { CharacterState::default() },
             touches: self.touches,
             pushes: self.pushes,
             weight,

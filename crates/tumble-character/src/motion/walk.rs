@@ -1,9 +1,11 @@
 //! A way along the ground: walls turn it aside, slopes and steps lift it.
 
+use tumble::hecs::Entity;
 use tumble::math::Vec3;
 
 use crate::motion::{Hit, MAX_SLIDES, Motion};
 use crate::slide::Plane;
+use crate::surroundings::Body;
 use crate::vectors::{flat, unit};
 
 impl Motion<'_> {
@@ -45,7 +47,7 @@ impl Motion<'_> {
                 way = rest;
                 continue;
             }
-            let is_step = !self.around.is_character(hit.entity);
+            let is_step = !self.is_kicked(hit.entity);
             if let Some((left, landing)) = is_step.then(|| self.step_up(rest)).flatten() {
                 (way, rest, normal) = (way * left, rest * left, landing);
                 continue;
@@ -60,6 +62,15 @@ impl Motion<'_> {
             self.state.velocity = self.upright.clipped_flat(own, &walls, true);
         }
         self.state.ground_normal = normal;
+    }
+
+    /// What it pushes ahead and does not step on: other characters, and what is less than half as
+    /// heavy as it.
+    fn is_kicked(&self, entity: Entity) -> bool {
+        match self.around.body(entity) {
+            Body::Dynamic(_) => self.around.mobility(entity, Vec3::ZERO, self.up()) * self.settings.mass > 2.0,
+            _ => self.around.is_character(entity),
+        }
     }
 
     /// The rest of a way where the slope changes, and the normal by which it is lifted. Between two
