@@ -89,12 +89,9 @@ fn crowds(c: &mut Criterion) {
             spawn(&mut world);
             spawn_crowd(&mut world);
             let mut simulation = Simulation::new(Settings::default()).unwrap();
-            pool.install(|| {
-                time_steps(&mut world, &mut simulation, 120, walks);
-                group.bench_function(BenchmarkId::new(name, label(&pool)), |b| {
-                    b.iter_custom(|count| time_steps(&mut world, &mut simulation, count, walks));
-                });
-            });
+            let mut run = |count| pool.install(|| time_steps(&mut world, &mut simulation, count, walks));
+            run(120);
+            group.bench_function(BenchmarkId::new(name, label(&pool)), |b| b.iter_custom(&mut run));
         }
     }
     group.finish();

@@ -74,10 +74,19 @@ impl Motion<'_> {
     fn snap_to(&mut self, hit: &Hit) {
         let skin = self.skin();
         let wanted = skin / hit.normal.dot(self.up()).max(0.5);
-        let down = (hit.distance - wanted).max(-0.5 * skin);
-        if down.abs() > skin * 0.01 {
+        let down = hit.distance - wanted;
+        if down > skin * 0.01 {
             self.position -= self.up() * down;
+        } else if down < -skin * 0.01 {
+            self.rise((-down).min(0.5 * skin));
         }
+    }
+
+    /// Goes up by a little, as far as there is room.
+    fn rise(&mut self, height: Real) {
+        let up = self.up();
+        let above = self.cast(self.position, up * (height + REACH * self.skin()));
+        self.position += up * above.map_or(height, |hit| self.free_way(&hit, up, height));
     }
 
     /// It stands on ground from now on.
