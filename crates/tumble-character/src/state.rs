@@ -65,6 +65,8 @@ pub struct CharacterState {
     pub has_jumped: bool,
     /// Whether the button of jumps was down in the last step.
     pub was_jump_down: bool,
+    /// In how many steps its footing may be found by a ray alone.
+    pub sure_for: u8,
 }
 
 impl Default for CharacterState {
@@ -83,6 +85,7 @@ impl Default for CharacterState {
             jump_wish: 0.0,
             has_jumped: true,
             was_jump_down: false,
+            sure_for: 0,
         }
     }
 }

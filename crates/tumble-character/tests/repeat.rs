@@ -11,7 +11,7 @@ use tumble::prelude::*;
 use tumble::{Rng, Rollback};
 use tumble_character::{Character, CharacterInput, CharacterSettings, CharacterState, SavedCharacters};
 
-const COUNT: u64 = 150;
+const COUNT: u64 = 500;
 
 /// A crowd on hills, among boxes, some of which move.
 fn crowd(backwards: bool) -> Stage {
@@ -84,7 +84,7 @@ fn threads_and_the_order_of_spawning_do_not_matter() {
     let run = |threads: usize, backwards: bool| {
         let mut stage = crowd(backwards);
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| play(&mut stage, 0, 200));
+        pool.install(|| play(&mut stage, 0, 100));
         bits(&stage.world)
     };
     let reference = run(1, false);

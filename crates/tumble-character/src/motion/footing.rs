@@ -7,6 +7,9 @@ use crate::slide::Plane;
 use crate::state::GroundState;
 use crate::surroundings::Body;
 
+/// In so many steps a ray may do for a cast.
+const SURE_STEPS: u8 = 7;
+
 /// What is below the sole.
 #[derive(Clone, Copy, Debug)]
 enum Footing {
@@ -19,6 +22,10 @@ enum Footing {
 impl Motion<'_> {
     /// Finds the ground after a walk, and stays on it if it is near enough; else it is in the air.
     pub(super) fn find_ground(&mut self, reach: Real) {
+        if self.is_still_on_ground() {
+            return;
+        }
+        self.state.sure_for = SURE_STEPS;
         match self.footing(reach) {
             Footing::Ground(hit, normal) => {
                 self.snap_to(&hit);
@@ -35,6 +42,33 @@ impl Motion<'_> {
             }
             Footing::Nothing => self.leave_ground(),
         }
+    }
+
+    /// Whether it stands where it stood, on the same plane: a ray finds that for much less than a
+    /// cast, which is made again after some steps.
+    fn is_still_on_ground(&mut self) -> bool {
+        let (up, skin, radius) = (self.up(), self.skin(), self.settings.radius);
+        let normal = self.state.ground_normal;
+        let rise = normal.dot(up);
+        if self.state.sure_for == 0 || !self.state.is_grounded() || rise < 0.5 {
+            return false;
+        }
+        let middle = self.position + up * radius;
+        let wanted = radius / rise;
+        let Some(face) = self.ray(middle, -up * (wanted + skin)) else { return false };
+        let down = face.distance - wanted;
+        if !self.upright.is_walkable(face.normal) || (face.normal - normal).length() > 1e-3 || down.abs() > 0.1 * skin {
+            return false;
+        }
+        self.state.sure_for -= 1;
+        if down.abs() > 0.01 * skin {
+            self.position -= up * down;
+        }
+        let point = middle - normal * radius;
+        let hit = Hit { entity: face.entity, distance: skin, normal: face.normal, point };
+        self.touch(&hit);
+        self.stand_on(&hit, face.normal);
+        true
     }
 
     fn footing(&mut self, reach: Real) -> Footing {
