@@ -12,7 +12,7 @@ use crate::surroundings::Surroundings;
 use crate::touches::CharacterTouches;
 
 /// Fewer are computed where the caller is.
-const MIN_SHARED: usize = 256;
+const MIN_SHARED: usize = 128;
 /// Characters that one thread computes at a time.
 const PART: usize = 16;
 

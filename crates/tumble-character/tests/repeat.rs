@@ -11,7 +11,7 @@ use tumble::prelude::*;
 use tumble::{Rng, Rollback};
 use tumble_character::{Character, CharacterInput, CharacterSettings, CharacterState, SavedCharacters};
 
-const COUNT: u64 = 500;
+const COUNT: u64 = 250;
 
 /// A crowd on hills, among boxes, some of which move.
 fn crowd(backwards: bool) -> Stage {

@@ -53,10 +53,10 @@ impl Motion<'_> {
         if self.state.sure_for == 0 || !self.state.is_grounded() || rise < 0.5 {
             return false;
         }
-        let middle = self.position + up * radius;
-        let wanted = radius / rise;
-        let Some(face) = self.ray(middle, -up * (wanted + skin)) else { return false };
-        let down = face.distance - wanted;
+        // Where it would touch that plane, seen from above.
+        let point = self.position + (up - normal) * radius;
+        let Some(face) = self.ray(point + up * radius, -up * (radius + skin)) else { return false };
+        let down = face.distance - radius;
         if !self.upright.is_walkable(face.normal) || (face.normal - normal).length() > 1e-3 || down.abs() > 0.1 * skin {
             return false;
         }
@@ -64,7 +64,6 @@ impl Motion<'_> {
         if down.abs() > 0.01 * skin {
             self.position -= up * down;
         }
-        let point = middle - normal * radius;
         let hit = Hit { entity: face.entity, distance: skin, normal: face.normal, point };
         self.touch(&hit);
         self.stand_on(&hit, face.normal);
