@@ -64,7 +64,7 @@ fn steer(world: &mut World, step: u64) {
     }
 }
 
-/// The time of `move_characters` in so many steps.
+/// The time of `move_characters` in some steps.
 fn time_steps(world: &mut World, simulation: &mut Simulation, count: u64, walks: bool) -> Duration {
     let mut total = Duration::ZERO;
     for _ in 0..count {

@@ -7,7 +7,9 @@
 //!
 //! ```
 //! use tumble::prelude::*;
-//! use tumble_character::{Character, CharacterInput, CharacterSettings, CharacterState, move_characters};
+//! use tumble_character::{
+//!     Character, CharacterInput, CharacterSettings, CharacterState, move_characters,
+//! };
 //!
 //! let mut world = hecs::World::new();
 //! spawn_ground(&mut world);

@@ -151,7 +151,7 @@ impl CharacterSettings {
         if !(self.skin >= self.radius * 1e-3 && self.skin <= self.radius * 0.5) {
             return fail("skin", "from a thousandth of the radius to half of it", self.skin);
         }
-        if !((self.up.length() - 1.0).abs() <= 1e-3) {
+        if !(0.999..=1.001).contains(&self.up.length()) {
             return fail("up", "a unit vector", self.up.length());
         }
         if !(0.0..=1.5).contains(&self.max_slope) {

@@ -44,7 +44,7 @@ fn a_heavy_box_gets_no_more_than_its_strength() {
     for rate in RATES {
         let mut stage = Stage::new(rate);
         let ice = Material::default().with_friction(0.0);
-        let ground = RigidBody::new(Shape::cuboid([50.0, 1.0, 50.0])).fixed().material(ice.clone()).position(-Vec3::Y);
+        let ground = RigidBody::new(Shape::cuboid([50.0, 1.0, 50.0])).fixed().material(ice).position(-Vec3::Y);
         ground.build().unwrap().spawn(&mut stage.world);
         let heavy =
             RigidBody::new(Shape::cuboid([0.5; 3])).mass(5000.0).material(ice).position(Vec3::new(0.81, 0.5, 0.0));

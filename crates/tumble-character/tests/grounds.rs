@@ -142,7 +142,7 @@ fn it_leaves_a_ledge_without_a_hop() {
             assert!(highest < 4.002, "{rate} Hz, {speed} m/s: {highest}");
             let falls = seen.windows(2).all(|it| it[1].position.y <= it[0].position.y + 1e-3);
             assert!(falls, "{rate} Hz, {speed} m/s: goes up");
-            // A free fall from the ledge takes 0.903 s, and a tenth of the radius of it is on the arc.
+            // A free fall from the ledge takes 0.903 s, of which the arc takes a part.
             let aloft = seen.iter().filter(|it| !it.state.is_grounded()).count() as Real * stage.dt();
             assert!((0.75..1.15).contains(&aloft), "{rate} Hz, {speed} m/s: {aloft} s");
             assert!(seen.last().unwrap().position.y.abs() < 0.01);

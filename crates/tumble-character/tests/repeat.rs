@@ -71,7 +71,7 @@ fn bits(world: &World) -> Vec<(u64, Vec<u64>)> {
             let state = state.copied().unwrap_or_default();
             let numbers = [pose.position, velocity, state.velocity, state.ground_normal, state.ground_velocity];
             let turned = pose.orientation.to_array();
-            let all = numbers.iter().flat_map(|it| it.to_array()).chain(turned).chain([state.air_time]);
+            let all = numbers.iter().flat_map(Vec3::to_array).chain(turned).chain([state.air_time]);
             (id.0, all.map(|it| f64::from(it).to_bits()).collect())
         })
         .collect();

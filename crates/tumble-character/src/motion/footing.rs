@@ -7,7 +7,7 @@ use crate::slide::Plane;
 use crate::state::GroundState;
 use crate::surroundings::Body;
 
-/// In so many steps a ray may do for a cast.
+/// The steps in which a ray may do for a cast.
 const SURE_STEPS: u8 = 7;
 
 /// What is below the sole.

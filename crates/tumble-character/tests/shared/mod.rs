@@ -28,7 +28,7 @@ pub struct Seen {
 }
 
 impl Stage {
-    /// An empty stage, with so many steps a second.
+    /// An empty stage, with this number of steps a second.
     pub fn new(rate: u32) -> Self {
         let settings = Settings::default().with_dt(1.0 / rate as Real);
         Self { world: World::new(), simulation: Simulation::new(settings).unwrap() }
