@@ -35,6 +35,9 @@ mod documents {
     #[doc = include_str!("../../crates/tumble-scene/README.md")]
     struct ReadmeOfScene;
 
+    #[doc = include_str!("../../crates/tumble-vehicle/README.md")]
+    struct ReadmeOfVehicle;
+
     #[doc = include_str!("../../docs/batch.md")]
     struct Batches;
 
@@ -64,4 +67,7 @@ mod documents {
 
     #[doc = include_str!("../../docs/spinning.md")]
     struct Spinning;
+
+    #[doc = include_str!("../../docs/vehicles.md")]
+    struct Vehicles;
 }

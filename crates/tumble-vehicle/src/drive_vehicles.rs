@@ -7,11 +7,12 @@ use tumble::hecs::{Entity, World};
 use tumble::math::dvec3;
 use tumble::{BodyOrder, Queries, QueryFilter, Simulation, Wrench};
 
+use crate::error::MAX_WHEELS;
 use crate::precision::{real, vec3};
 use crate::probe::{Ground, Hub};
 use crate::rigid::{Chassis, Rigid};
 use crate::slip_curve::Rubber;
-use crate::solve::solve;
+use crate::solve::{ITERATIONS, solve};
 use crate::state::{VehicleInput, VehicleState, WheelContact, WheelState};
 use crate::vehicle::{Driver, Vehicle};
 use crate::wheel_step::{Footing, ForceLine, Motion, Row, WheelStep};
@@ -45,11 +46,24 @@ struct Outcome {
 /// Vehicles go in [`BodyOrder`], and none sees the forces of another. A [`Vehicle`] that is no
 /// dynamic body, or has numbers that are not finite, is left out, and its wheels are in the air. A
 /// chassis without [`VehicleInput`] is one without a driver.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # use tumble_vehicle::{VehicleInput, VehiclePlan, VehicleState, drive_vehicles};
+/// # let mut world = tumble::hecs::World::new();
+/// # spawn_ground(&mut world);
+/// # let car = VehiclePlan::car(4.5, 1500.0).spawn(&mut world, Pose::default())?;
+/// world.get::<&mut VehicleInput>(car)?.throttle = -1.0;
+/// let mut simulation = Simulation::new(Settings::default())?;
+/// simulation.advance_with(&mut world, 0.1, drive_vehicles);
+/// assert!(world.get::<&VehicleState>(car)?.wheels()[2].spin < 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn drive_vehicles(world: &mut World, simulation: &Simulation) {
     if world.query_mut::<&Vehicle>().into_iter().next().is_none() {
         return;
     }
-    let outcomes = outcomes(world, simulation);
+    let outcomes = outcomes(world, simulation, ITERATIONS);
     for outcome in outcomes {
         for (body, force, torque) in &outcome.pushes {
             if let Ok(mut wrench) = world.get::<&mut Wrench>(*body) {
@@ -66,7 +80,7 @@ pub fn drive_vehicles(world: &mut World, simulation: &Simulation) {
     }
 }
 
-fn outcomes(world: &World, simulation: &Simulation) -> Vec<Outcome> {
+fn outcomes(world: &World, simulation: &Simulation, iterations: usize) -> Vec<Outcome> {
     let dt = f64::from(simulation.settings().dt);
     let gravity = dvec3(simulation.settings().gravity);
     let queries = simulation.queries(world);
@@ -88,14 +102,14 @@ fn outcomes(world: &World, simulation: &Simulation) -> Vec<Outcome> {
     for ground in plans.iter().flat_map(|plan| plan.grounds.iter().flatten()) {
         *wheels_on.entry(ground.entity).or_insert(0.0) += 1.0;
     }
-    outcomes.extend(plans.iter().map(|plan| plan.outcome(world, &wheels_on, gravity.length(), dt)));
+    outcomes.extend(plans.iter().map(|plan| plan.outcome(world, &wheels_on, (gravity.length(), dt), iterations)));
     outcomes
 }
 
 /// The state of a vehicle that nothing can be done for.
 fn at_rest(vehicle: &Vehicle, state: VehicleState) -> VehicleState {
     let count = vehicle.settings().wheels.len();
-    let mut wheels = [WheelState::default(); crate::MAX_WHEELS];
+    let mut wheels = [WheelState::default(); MAX_WHEELS];
     for (wheel, before) in wheels.iter_mut().zip(state.wheels).take(count) {
         wheel.spin_angle = before.spin_angle;
         wheel.steering_angle = before.steering_angle;
@@ -132,12 +146,19 @@ impl<'a> Plan<'a> {
         self.grounds = grounds.collect();
     }
 
-    fn outcome(&self, world: &World, wheels_on: &BTreeMap<Entity, f64>, gravity: f64, dt: f64) -> Outcome {
+    fn outcome(
+        &self,
+        world: &World,
+        wheels_on: &BTreeMap<Entity, f64>,
+        (gravity, dt): (f64, f64),
+        iterations: usize,
+    ) -> Outcome {
         let settings = self.vehicle.settings();
         let shares: f64 = settings.wheels.iter().map(|wheel| f64::from(wheel.drive)).sum();
         let mut steps: Vec<WheelStep> =
-            (0..self.hubs.len()).map(|wheel| self.wheel_step(wheel, shares, world, wheels_on, dt)).collect();
-        let solved = solve(&self.chassis, &mut steps, &settings.anti_roll_bars, &settings.motor, gravity, dt);
+            (0..self.hubs.len()).map(|wheel| self.wheel_step(wheel, shares, world, wheels_on, (gravity, dt))).collect();
+        let solved =
+            solve(&self.chassis, &mut steps, &settings.anti_roll_bars, &settings.motor, (gravity, dt), iterations);
         let Some(motion) = solved else {
             let state = at_rest(self.vehicle, self.state);
             return Outcome { entity: self.entity, state, pushes: Vec::new() };
@@ -156,19 +177,21 @@ impl<'a> Plan<'a> {
         shares: f64,
         world: &World,
         wheels_on: &BTreeMap<Entity, f64>,
-        dt: f64,
+        (gravity, dt): (f64, f64),
     ) -> WheelStep {
         let (settings, before) = (self.vehicle.settings().wheels[wheel], &self.state.wheels[wheel]);
         let drive = f64::from(settings.drive);
         let footing = self.grounds[wheel].and_then(|ground| self.footing(wheel, &ground, world, wheels_on, dt));
         let Driver { throttle, brake, hand_brake, .. } = self.driver;
         let brake = brake * f64::from(settings.brake_torque) + hand_brake * f64::from(settings.hand_brake_torque);
-        WheelStep {
+        let mut step = WheelStep {
             settings,
             rubber: Rubber::of(&settings.tyre),
             footing,
             spin: before.spin.into(),
             shear: before.shear,
+            speed: 0.0,
+            sliding: 1.0,
             share: if shares > 0.0 { drive / shares } else { 0.0 },
             throttle,
             brake,
@@ -176,7 +199,14 @@ impl<'a> Plan<'a> {
             forces: [before.longitudinal_force.into(), before.lateral_force.into()],
             end_spin: before.spin.into(),
             lines: [ForceLine::default(); 2],
+        };
+        let motion = Motion::of(&self.chassis.body);
+        step.begin(&motion, gravity);
+        let was_there = before.contact.is_some_and(|it| self.grounds[wheel].is_some_and(|on| on.entity == it.ground));
+        if was_there {
+            step.catch_up(before.speeds, &motion, dt, gravity);
         }
+        step
     }
 
     /// The directions in which a wheel and the ground act on each other.
@@ -277,7 +307,57 @@ impl<'a> Plan<'a> {
         state.slip_angle = real(libm::atan2(across, along.abs().max(step.still_speed(gravity))));
         let [on, off] = footing.tangents;
         state.ground = [footing.normal.ground, on.ground, off.ground];
+        state.speeds = [along, across];
         state.shear = step.end_shear(motion, dt, gravity);
         state
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use tumble::math::{Real, Vec3};
+    use tumble::{Collider, Pose, RigidBody, Rng, Settings, Shape};
+
+    use super::*;
+    use crate::plan::VehiclePlan;
+
+    /// Eight iterations give the forces of a hundred, on rough ground with random input: in nearly
+    /// all steps to a thousandth of the weight.
+    #[test]
+    fn more_iterations_change_little() {
+        let (mut steps, mut far, mut worst) = (0, 0, 0.0_f64);
+        for case in 0..12 {
+            let mut rng = Rng::stream(7, case);
+            let heights: Vec<f64> = (0..40 * 40).map(|_| 0.2 * rng.unit()).collect();
+            let field = Collider::height_field(&heights, 40, [2.0, 2.0]).expect("a field");
+            let mut world = World::new();
+            RigidBody::new(Shape::Point).fixed().collider(field).build().expect("ground").spawn(&mut world);
+            let plan = VehiclePlan::car(4.5, 1500.0);
+            let car = plan.spawn(&mut world, Pose::at(Vec3::Y * 0.3)).expect("a car");
+            let dt = 1.0 / [30.0, 60.0, 240.0][case as usize % 3];
+            let mut simulation = Simulation::new(Settings::default().with_dt(dt)).expect("settings");
+            for step in 0..300 {
+                if step % 30 == 0 {
+                    let mut within = |low: f64| (low + (1.0 - low) * rng.unit()) as Real;
+                    let input = VehicleInput {
+                        throttle: within(-1.0),
+                        brake: within(-2.0),
+                        hand_brake: within(-3.0),
+                        steering: within(-1.0),
+                    };
+                    *world.get::<&mut VehicleInput>(car).expect("input") = input;
+                }
+                let forces = [ITERATIONS, 100].map(|it| outcomes(&world, &simulation, it)[0].pushes[0].1);
+                let change = (forces[1] - forces[0]).length() / (1500.0 * 9.81);
+                worst = worst.max(change);
+                far += u32::from(change > 1e-3);
+                steps += 1;
+                drive_vehicles(&mut world, &simulation);
+                simulation.step(&mut world);
+            }
+        }
+        println!("{far} of {steps} steps are off by over a thousandth, the worst by {worst}");
+        assert!(f64::from(far) < 0.05 * f64::from(steps), "{far} of {steps}, the worst {worst}");
+        assert!(worst < 0.3, "{worst} of the weight");
     }
 }

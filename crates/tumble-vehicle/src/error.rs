@@ -5,6 +5,9 @@ use std::fmt;
 use tumble::math::Real;
 use tumble::{BodyError, JointError};
 
+/// The most wheels that a vehicle has.
+pub const MAX_WHEELS: usize = 12;
+
 /// Why a vehicle cannot be made.
 ///
 /// ```
@@ -32,7 +35,7 @@ pub enum VehicleError {
         high: f64,
     },
     /// No wheels, or more than [`MAX_WHEELS`](crate::MAX_WHEELS).
-    #[error("wheels must be from 1 to {most}, there are {0}", most = crate::MAX_WHEELS)]
+    #[error("wheels must be from 1 to {most}, there are {0}", most = MAX_WHEELS)]
     Wheels(usize),
     /// An anti-roll bar does not join two wheels.
     #[error("{field} must join two wheels of {wheels}, it joins {joined:?}")]

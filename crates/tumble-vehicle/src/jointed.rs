@@ -1,7 +1,7 @@
 //! A vehicle whose wheels are bodies on joints: sliders and cylinders with springs, and driven
 //! hinges.
 
-use tumble::glam::DVec3;
+use tumble::glam::{DQuat, DVec3};
 use tumble::hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3, dquat, dvec3};
 use tumble::{
@@ -11,7 +11,7 @@ use tumble::{
 
 use crate::error::VehicleError;
 use crate::plan::{GRAVITY, VehiclePlan};
-use crate::precision::real;
+use crate::precision::{quat, real, vec3};
 use crate::rigid::Rigid;
 use crate::state::{VehicleInput, VehicleState};
 use crate::vehicle::{Driver, Vehicle};
@@ -20,6 +20,16 @@ use crate::vehicle::{Driver, Vehicle};
 const CARRIER: Real = 0.2;
 
 /// The entities of one wheel of a [`JointedVehicle`].
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # use tumble_vehicle::{JointedVehicle, VehiclePlan};
+/// # let mut world = tumble::hecs::World::new();
+/// let car = VehiclePlan::car(4.5, 1500.0).spawn_on_joints(&mut world, Pose::default(), None)?;
+/// let left = world.get::<&JointedVehicle>(car)?.wheels()[0];
+/// assert!((world.get::<&Pose>(left.wheel)?.position.y - 0.315).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct JointedWheel {
     /// The body that rolls.
@@ -41,6 +51,18 @@ pub struct JointedWheel {
 ///
 /// Wheels touch the ground as all bodies do, with the friction of contacts in place of a slip
 /// curve. There are no anti-roll bars. [`VehiclePlan::spawn_on_joints`] makes one.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # use tumble_vehicle::{JointedVehicle, VehiclePlan};
+/// # let mut world = tumble::hecs::World::new();
+/// let car = VehiclePlan::car(4.5, 1500.0).spawn_on_joints(&mut world, Pose::default(), None)?;
+/// let parts = JointedVehicle::clone(&*world.get::<&JointedVehicle>(car)?);
+/// assert!(parts.is_whole(&world));
+/// parts.despawn_wheels(&mut world);
+/// assert_eq!(world.len(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct JointedVehicle {
     vehicle: Vehicle,
@@ -84,6 +106,19 @@ impl JointedVehicle {
 /// [`drive_vehicles`](crate::drive_vehicles) is.
 ///
 /// It writes [`Drives`] and [`JointFriction`] of the joints. What was despawned is left out.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # use tumble_vehicle::{VehicleInput, VehiclePlan, drive_jointed_vehicles};
+/// # let mut world = tumble::hecs::World::new();
+/// # spawn_ground(&mut world);
+/// # let car = VehiclePlan::car(4.5, 1500.0).spawn_on_joints(&mut world, Pose::default(), None)?;
+/// world.get::<&mut VehicleInput>(car)?.throttle = -1.0;
+/// let mut simulation = Simulation::new(Settings::default())?;
+/// simulation.advance_with(&mut world, 0.1, drive_jointed_vehicles);
+/// assert!(world.get::<&Velocity>(car)?.linear.z < 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn drive_jointed_vehicles(world: &mut World, simulation: &Simulation) {
     if world.query_mut::<&JointedVehicle>().into_iter().next().is_none() {
         return;
@@ -249,7 +284,8 @@ impl VehiclePlan {
         let side = if wheel.is_multiple_of(2) { 1.0 } else { -1.0 };
         let place = Vec3::new(side * 0.5 * self.track, self.wheel_radius, self.axle_place(wheel / 2));
         let center = ground.transform_point(place);
-        let (up, left) = (ground.orientation * Vec3::Y, ground.orientation * Vec3::X);
+        let turned = dquat(ground.orientation);
+        let (up, left) = (vec3(turned * DVec3::Y), vec3(turned * DVec3::X));
 
         let carrier = RigidBody::new(Shape::sphere(0.4 * f64::from(self.wheel_radius))).without_collider();
         let carrier = carrier.mass(f64::from(CARRIER * self.wheel_mass)).position(center);
@@ -280,12 +316,13 @@ impl VehiclePlan {
         let shape = Shape::cylinder(f64::from(self.wheel_radius), 0.5 * f64::from(self.wheel_width));
         let other = Material::default().dynamic_friction;
         // The axis of a cylinder is y; that of a wheel is x.
-        let half = std::f64::consts::FRAC_1_SQRT_2 as Real;
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let upright = DQuat::from_xyzw(0.0, 0.0, -half, half);
         RigidBody::new(shape)
             .mass(f64::from((1.0 - CARRIER) * self.wheel_mass))
             .material(Material::new((2.0 * self.friction - other).max(0.0), 0.0))
             .position(center)
-            .orientation(orientation * Quat::from_xyzw(0.0, 0.0, -half, half))
+            .orientation(quat((dquat(orientation) * upright).normalize()))
     }
 
     /// The spring, at rest under what it carries, and the steering.

@@ -12,6 +12,15 @@ use crate::vehicle::Vehicle;
 pub(crate) const GRAVITY: Real = 9.81;
 
 /// Which wheels the motor drives.
+///
+/// ```
+/// use tumble_vehicle::{DrivenWheels, VehiclePlan};
+///
+/// let plan = VehiclePlan { driven_wheels: DrivenWheels::Front, ..VehiclePlan::car(4.5, 1500.0) };
+/// let wheels = plan.settings()?.wheels;
+/// assert!(wheels[0].drive > 0.0 && wheels[2].drive == 0.0);
+/// # Ok::<(), tumble_vehicle::VehicleError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum DrivenWheels {
     /// Those of the first axle.
@@ -183,7 +192,7 @@ impl VehiclePlan {
     /// Deflection of the springs at rest \[m\]: `g / (2 pi f)^2`.
     #[must_use]
     pub fn static_deflection(&self) -> Real {
-        GRAVITY / self.circular_frequency().powi(2)
+        GRAVITY / (self.circular_frequency() * self.circular_frequency())
     }
 
     pub(crate) fn circular_frequency(&self) -> Real {

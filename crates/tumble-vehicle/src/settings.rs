@@ -2,15 +2,19 @@
 
 use tumble::math::{Real, Vec3};
 
-use crate::error::{Check, VehicleError};
-
-/// The most wheels that a vehicle has.
-pub const MAX_WHEELS: usize = 12;
+use crate::error::{Check, MAX_WHEELS, VehicleError};
 
 /// A spring and a damper that carry one wheel, which moves along the chassis's y axis.
 ///
 /// With the compression `x` \[m\] from where the wheel hangs free, the force is
 /// `stiffness x + damping dx/dt`, and from `travel` on the bump stop adds to it. It never pulls.
+///
+/// ```
+/// let spring = tumble_vehicle::VehiclePlan::car(4.5, 1500.0).settings()?.wheels[0].suspension;
+/// // A quarter of the weight, and the deflection that it makes.
+/// assert!((spring.stiffness * 0.1104 / (375.0 * 9.81) - 1.0).abs() < 1e-3);
+/// # Ok::<(), tumble_vehicle::VehicleError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Suspension {
     /// Force per compression [N/m]. Of the car of 1500 kg: 33 kN/m.
@@ -28,6 +32,11 @@ pub struct Suspension {
 /// Rubber on the road: how hard it grips, and how far it slips for that.
 ///
 /// See `docs/vehicles.md` for the equations.
+///
+/// ```
+/// let wet = tumble_vehicle::Tyre::default().with_friction(0.5);
+/// assert_eq!((wet.lateral_friction, wet.lateral_stiffness), (0.5, 12.0));
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tyre {
     /// Greatest force along the wheel over load. 1 unless set.
@@ -71,6 +80,14 @@ impl Tyre {
 }
 
 /// One wheel: where it is, and what is done with it.
+///
+/// ```
+/// let settings = tumble_vehicle::VehiclePlan::car(4.5, 1500.0).settings()?;
+/// let [left, right] = [settings.wheels[0], settings.wheels[1]];
+/// assert_eq!(left.position.x, -right.position.x);
+/// assert!(left.position.x > 0.0 && left.steering == 1.0);
+/// # Ok::<(), tumble_vehicle::VehicleError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wheel {
     /// The centre of the wheel as it hangs free \[m\], in the chassis's own frame: x to the left, y
@@ -99,6 +116,15 @@ pub struct Wheel {
 }
 
 /// A bar that takes the difference of compression of two wheels, so that the body leans less.
+///
+/// ```
+/// use tumble_vehicle::{AntiRollBar, VehiclePlan};
+///
+/// let mut settings = VehiclePlan::car(4.5, 1500.0).settings()?;
+/// settings.anti_roll_bars = vec![AntiRollBar { wheels: [0, 1], stiffness: 2e4 }];
+/// assert!(settings.validate().is_ok());
+/// # Ok::<(), tumble_vehicle::VehicleError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AntiRollBar {
     /// The wheels that it joins, by number.
@@ -111,6 +137,13 @@ pub struct AntiRollBar {
 ///
 /// Each driven wheel gets its share of `min(torque, power / spin)` times the throttle, and of that
 /// less and less in the last tenth before its `max_spin`.
+///
+/// ```
+/// let motor = tumble_vehicle::VehiclePlan::car(4.5, 1500.0).settings()?.motor;
+/// // Up to 15 m/s the torque is what there is, from there on the power.
+/// assert!((motor.power / motor.torque * 0.315 - 15.0).abs() < 1e-3);
+/// # Ok::<(), tumble_vehicle::VehicleError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motor {
     /// Torque at all wheels together [N m].
@@ -126,6 +159,14 @@ pub struct Motor {
 }
 
 /// How a wheel looks for the ground.
+///
+/// ```
+/// use tumble_vehicle::{Probe, VehiclePlan};
+///
+/// let plan = VehiclePlan { probe: Probe::Cylinder, ..VehiclePlan::car(4.5, 1500.0) };
+/// assert_eq!(plan.settings()?.probe, Probe::Cylinder);
+/// # Ok::<(), tumble_vehicle::VehicleError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Probe {
     /// By one ray along the suspension. The cheapest; it steps onto a kerb at once, and sees
@@ -141,6 +182,16 @@ pub enum Probe {
 
 /// All settings of a vehicle on ray-cast wheels. [`VehiclePlan`](crate::VehiclePlan) makes them
 /// from size and mass.
+///
+/// ```
+/// use tumble_vehicle::{Vehicle, VehiclePlan};
+///
+/// let mut settings = VehiclePlan::truck(10.0, 12e3).settings()?;
+/// settings.wheels.truncate(4);
+/// settings.anti_roll_bars.clear();
+/// assert!(Vehicle::new(settings).is_ok());
+/// # Ok::<(), tumble_vehicle::VehicleError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct VehicleSettings {
     /// The wheels, up to [`MAX_WHEELS`].

@@ -3,11 +3,18 @@
 use tumble::hecs::Entity;
 use tumble::math::{Real, Vec3};
 
-use crate::settings::MAX_WHEELS;
+use crate::error::MAX_WHEELS;
 
 /// What the driver does: a component to be written whenever it changes.
 ///
 /// Numbers beyond their range count as its end, and what is not a number as zero.
+///
+/// ```
+/// use tumble_vehicle::VehicleInput;
+///
+/// let parked = VehicleInput { hand_brake: 1.0, ..VehicleInput::default() };
+/// assert_eq!(parked.throttle, 0.0);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct VehicleInput {
     /// From -1, full power backwards, to 1.
@@ -37,6 +44,18 @@ impl VehicleInput {
 }
 
 /// Where a wheel is on the ground.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # use tumble_vehicle::{VehiclePlan, VehicleState, drive_vehicles};
+/// # let mut world = tumble::hecs::World::new();
+/// let ground = spawn_ground(&mut world);
+/// let car = VehiclePlan::car(4.5, 1500.0).spawn(&mut world, Pose::default())?;
+/// drive_vehicles(&mut world, &Simulation::new(Settings::default())?);
+/// let contact = world.get::<&VehicleState>(car)?.wheels()[0].contact.unwrap();
+/// assert_eq!((contact.ground, contact.normal), (ground, Vec3::Y));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WheelContact {
     /// The body under the wheel.
@@ -50,6 +69,20 @@ pub struct WheelContact {
 }
 
 /// What a wheel does, as [`drive_vehicles`](crate::drive_vehicles) left it.
+///
+/// ```
+/// # use tumble::prelude::*;
+/// # use tumble_vehicle::{VehiclePlan, VehicleState, drive_vehicles};
+/// # let mut world = tumble::hecs::World::new();
+/// # spawn_ground(&mut world);
+/// # let car = VehiclePlan::car(4.5, 1500.0).spawn(&mut world, Pose::default())?;
+/// drive_vehicles(&mut world, &Simulation::new(Settings::default())?);
+/// let wheel = world.get::<&VehicleState>(car)?.wheels()[0];
+/// // A quarter of the weight, on a spring of 33 kN/m.
+/// assert!((wheel.load - 1500.0 * 9.81 / 4.0).abs() < 1.0);
+/// assert!((wheel.compression - 0.1104).abs() < 1e-4);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct WheelState {
     /// Where it touches the ground; `None` in the air.
@@ -77,6 +110,8 @@ pub struct WheelState {
     pub slip_angle: Real,
     /// Shear of the tyre \[m\], along and across.
     pub(crate) shear: [f64; 2],
+    /// Speeds along and across, with which the step was thought to end [m/s].
+    pub(crate) speeds: [f64; 2],
     /// Velocity of the ground along the normal, along and across [m/s].
     pub(crate) ground: [f64; 3],
 }
@@ -86,6 +121,13 @@ pub struct WheelState {
 ///
 /// It is state. Who goes back in time keeps a copy of it beside the snapshot, which is all there is
 /// to do: it is plain numbers.
+///
+/// ```
+/// let mut state = tumble_vehicle::VehicleState::default();
+/// let kept = state;
+/// state.set_spin(0, 30.0);
+/// assert_ne!(state, kept);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VehicleState {
     pub(crate) wheels: [WheelState; MAX_WHEELS],

@@ -76,6 +76,10 @@ pub(crate) struct WheelStep {
     /// At the start of the step.
     pub(crate) spin: f64,
     pub(crate) shear: [f64; 2],
+    /// Of hub or rim, the larger [m/s].
+    pub(crate) speed: f64,
+    /// The friction of its slip over the greatest.
+    pub(crate) sliding: f64,
     /// Share of the motor, throttle, and torque of the brakes [N m].
     pub(crate) share: f64,
     pub(crate) throttle: f64,
@@ -140,18 +144,37 @@ impl WheelStep {
         [end, (end.0 * (1.0 + rate) - before * rate, end.1 * (1.0 + rate))]
     }
 
+    /// Finds out how fast the wheel goes at the start of the step. Its end is not known as well: a
+    /// force that nobody told of would have a wheel at rest roll on.
+    pub(crate) fn begin(&mut self, motion: &Motion, gravity: f64) {
+        let Some(footing) = &self.footing else { return };
+        let [along, across] = footing.tangents.map(|row| row.speed(motion));
+        let rim = self.spin * f64::from(self.settings.radius);
+        self.speed = (along * along + across * across).sqrt().max(rim.abs());
+        let slip = [along - rim, across].map(|it| it / (self.speed + self.still_speed(gravity)));
+        self.sliding = self.rubber.sliding(self.rubber.part(slip));
+    }
+
     /// How far the tread runs through the contact in a step, over the relaxation length, and the
     /// time of damping \[s\].
-    fn tread(&self, motion: &Motion, h: f64, gravity: f64) -> (f64, f64, f64) {
-        let Some(footing) = &self.footing else { return (0.0, 0.0, 0.0) };
-        let [along, across] = footing.tangents.map(|row| row.speed(motion));
-        let rim = self.end_spin * f64::from(self.settings.radius);
-        let speed = (along * along + across * across).sqrt().max(rim.abs());
+    fn tread(&self, h: f64, gravity: f64) -> (f64, f64) {
         let length = self.rubber.length;
         // Of all loads on all tyres: the frequency of the mass on its tyres at rest.
         let stiffness = self.rubber.stiffness[0].max(self.rubber.stiffness[1]);
         let still = 1.4 * (length / (stiffness * gravity.max(1e-3))).sqrt();
-        (speed, h * speed / length, still * length / (length + speed * still))
+        (h * self.speed / length, still * length / (length + self.speed * still))
+    }
+
+    /// Shears the tyre by what the last step ended with other than was thought: forces that were not
+    /// known, as of contacts, and ground that was moved.
+    pub(crate) fn catch_up(&mut self, thought: [f64; 2], motion: &Motion, h: f64, gravity: f64) {
+        let Some(footing) = &self.footing else { return };
+        let (rolled, _) = self.tread(h, gravity);
+        let shear = [0, 1].map(|i| {
+            let missed = footing.tangents[i].speed(motion) - thought[i];
+            self.shear[i] - missed * h / (1.0 + rolled)
+        });
+        self.shear = self.rubber.limited(shear);
     }
 
     /// Below this a wheel stands: speeds scale with the root of gravity and radius [m/s].
@@ -164,22 +187,22 @@ impl WheelStep {
         let Some(footing) = self.footing else { return };
         let load = self.load();
         let radius = f64::from(self.settings.radius);
-        let (speed, rolled, damping) = self.tread(motion, h, gravity);
+        let (rolled, damping) = self.tread(h, gravity);
         let speeds = footing.tangents.map(|row| row.speed(motion));
         let over_ground = [speeds[0] - self.end_spin * radius, speeds[1]];
         let lines = [0, 1].map(|i| self.shear_lines(i, rolled, h, damping)[1]);
         let strain = [0, 1].map(|i| (lines[i].0 - lines[i].1 * over_ground[i]) / self.rubber.length);
-        let slip = over_ground.map(|it| it / (speed + self.still_speed(gravity)));
         let part = self.rubber.part(strain);
-        let force = self.rubber.sticking(part).min(self.rubber.sliding(self.rubber.part(slip)));
+        let force = self.rubber.sticking(part).min(self.sliding);
         let secant = if part > 1e-9 { force / part } else { 1.0 };
-        for i in 0..2 {
+        let made = [0, 1].map(|i| {
             let stiffness = load * self.rubber.stiffness[i] / self.rubber.length * secant;
             let (offset, slope) = (lines[i].0 * stiffness, lines[i].1 * stiffness);
             let given = h * slope * footing.tangents[i].give;
             let offset = offset + given * footing.tangents[i].before;
-            self.lines[i] = ForceLine { offset: offset / (1.0 + given), slope: slope / (1.0 + given) };
-        }
+            ForceLine { offset: offset / (1.0 + given), slope: slope / (1.0 + given) }
+        });
+        self.lines = made;
         self.lines[0] = self.with_axle(self.lines[0], speeds[0], motor, load, h);
     }
 
@@ -236,20 +259,19 @@ impl WheelStep {
         h * (needed - drag.copysign(needed)) / (inertia + h * torque.slope)
     }
 
-    /// The shear that the step leaves.
+    /// The shear that the step leaves, as far as is known now: the next one corrects and limits it.
     pub(crate) fn end_shear(&self, motion: &Motion, h: f64, gravity: f64) -> [f64; 2] {
         let Some(footing) = &self.footing else { return [0.0; 2] };
         if self.load() <= 0.0 {
             return [0.0; 2];
         }
-        let (_, rolled, damping) = self.tread(motion, h, gravity);
+        let (rolled, damping) = self.tread(h, gravity);
         let radius = f64::from(self.settings.radius);
         let over_ground =
             [footing.tangents[0].speed(motion) - self.end_spin * radius, footing.tangents[1].speed(motion)];
-        let shear = [0, 1].map(|i| {
+        [0, 1].map(|i| {
             let (offset, slope) = self.shear_lines(i, rolled, h, damping)[0];
             offset - slope * over_ground[i]
-        });
-        self.rubber.limited(shear)
+        })
     }
 }

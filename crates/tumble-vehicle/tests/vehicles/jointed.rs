@@ -53,13 +53,14 @@ fn both_kinds_stand_alike() {
             let most = 0.01 * plan.static_deflection();
             assert!(load.values[0].abs() < most, "case {case}: off its rest by {} m", load.values[0]);
         }
-        // Light wheels under a heavy body sink in a little.
+        // Light wheels under a heavy body sink in, by about half of what a step of fall is.
         let [height, of_joints] = [&on_rays, &on_joints].map(|course| {
             let center = course.world.get::<&CenterOfMass>(course.vehicle).unwrap();
             course.pose().origin(Some(&center)).y
         });
         let sunk = height - of_joints;
-        assert!(sunk.abs() < 0.03 * plan.wheel_radius, "case {case}: stands {sunk} m lower");
+        let most = 0.6 * 9.81 * dt * dt + 2e-3 * plan.wheel_radius;
+        assert!(sunk.abs() < most, "case {case}: stands {sunk} m lower");
     }
 }
 
