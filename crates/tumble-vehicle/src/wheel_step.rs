@@ -165,8 +165,8 @@ impl WheelStep {
         (h * self.speed / length, still * length / (length + self.speed * still))
     }
 
-    /// Shears the tyre by what the last step ended with other than was thought: forces that were not
-    /// known, as of contacts, and ground that was moved.
+    /// Shears the tyre by what the last step ended with other than was thought, through forces that
+    /// were not known, as of contacts, and ground that was moved.
     pub(crate) fn catch_up(&mut self, thought: [f64; 2], motion: &Motion, h: f64, gravity: f64) {
         let Some(footing) = &self.footing else { return };
         let (rolled, _) = self.tread(h, gravity);

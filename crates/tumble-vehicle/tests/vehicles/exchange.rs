@@ -108,7 +108,7 @@ fn a_light_plank_is_pressed_down() {
     }
 }
 
-/// On a platform that moves as it is told the vehicle goes along.
+/// On a kinematic platform the vehicle goes along.
 #[test]
 fn a_moving_platform_takes_it_along() {
     let plan = VehiclePlan::car(4.5, 1500.0);
