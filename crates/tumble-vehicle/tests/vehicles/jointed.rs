@@ -1,5 +1,5 @@
-//! Promise: a vehicle on joints stands, drives, brakes and turns as that on ray-cast wheels does, and
-//! does without parts that are gone.
+//! Promise: a vehicle on joints stands, drives, brakes and turns as that on ray-cast wheels does,
+//! and does without parts that are gone.
 
 use tumble::hecs::{Entity, World};
 use tumble::math::{Real, Vec3};

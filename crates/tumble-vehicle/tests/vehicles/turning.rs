@@ -42,8 +42,8 @@ fn at_low_speed_it_turns_about_one_point() {
     }
 }
 
-/// On a circle that gets narrower: the most it holds is near the friction of its tyres, never above,
-/// and it stays on its wheels, as `track / (2 height)` is more than that.
+/// On a circle that gets narrower: the most it holds is near the friction of its tyres, never
+/// above, and it stays on its wheels, as `track / (2 height)` is more than that.
 #[test]
 fn it_holds_what_its_tyres_hold_and_stays_upright() {
     for case in 0..30 {
