@@ -123,9 +123,8 @@ struct Rule {
     outside: Option<&'static [&'static str]>,
 }
 
-/// The workspace from the bottom up. The engine adds a mathematics crate to what it depends on, and
-/// so may those above it.
-const RULES: [Rule; 15] = [
+/// The workspace from the bottom up. The engine and those above it add a mathematics crate.
+const RULES: [Rule; 16] = [
     Rule { member: "crates/tumble-math", members: &[], outside: Some(&["glam", "libm", "serde", "thiserror"]) },
     Rule { member: "crates/tumble-collide", members: &["tumble-math"], outside: Some(&["thiserror"]) },
     Rule {
@@ -133,6 +132,7 @@ const RULES: [Rule; 15] = [
         members: &["tumble-collide", "tumble-math"],
         outside: Some(&["glam", "hecs", "libm", "profiling", "rayon", "serde", "thiserror", "tracing"]),
     },
+    Rule { member: "crates/tumble-character", members: &["tumble"], outside: None },
     Rule { member: "crates/tumble-import", members: &["tumble", "tumble-math"], outside: None },
     Rule { member: "crates/tumble-vehicle", members: &["tumble"], outside: Some(&["libm", "thiserror"]) },
     Rule { member: "crates/tumble-scene", members: &["tumble", "tumble-import", "tumble-math"], outside: None },
@@ -148,12 +148,25 @@ const RULES: [Rule; 15] = [
         members: &["tumble", "tumble-import", "tumble-record", "tumble-scene"],
         outside: Some(&["clap", "gif", "hecs", "macroquad", "png", "thiserror"]),
     },
-    Rule { member: "benches", members: &["tumble", "tumble-collide", "tumble-math", "tumble-scene"], outside: None },
+    Rule {
+        member: "benches",
+        members: &["tumble", "tumble-character", "tumble-collide", "tumble-math", "tumble-scene"],
+        outside: None,
+    },
     Rule { member: "examples/docking", members: &["tumble"], outside: Some(&["hecs", "macroquad"]) },
     Rule { member: "examples/turret", members: &["tumble"], outside: Some(&["hecs", "macroquad"]) },
     Rule {
         member: "tests",
-        members: &["tumble", "tumble-benches", "tumble-import", "tumble-math", "tumble-record", "tumble-scene", "tumble-vehicle"],
+        members: &[
+            "tumble",
+            "tumble-benches",
+            "tumble-character",
+            "tumble-import",
+            "tumble-math",
+            "tumble-record",
+            "tumble-scene",
+            "tumble-vehicle",
+        ],
         outside: None,
     },
     Rule {

@@ -23,6 +23,9 @@ mod documents {
     #[doc = include_str!("../../README.md")]
     struct Readme;
 
+    #[doc = include_str!("../../crates/tumble-character/README.md")]
+    struct ReadmeOfCharacter;
+
     #[doc = include_str!("../../crates/tumble-import/README.md")]
     struct ReadmeOfImport;
 
@@ -40,6 +43,9 @@ mod documents {
 
     #[doc = include_str!("../../docs/batch.md")]
     struct Batches;
+
+    #[doc = include_str!("../../docs/characters.md")]
+    struct Characters;
 
     #[doc = include_str!("../../docs/contacts.md")]
     struct Contacts;

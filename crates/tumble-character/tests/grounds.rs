@@ -1,6 +1,11 @@
 //! Promise: on floors that are made of many pieces a character goes as on one, it stands on what
 //! is thinner than itself, and it leaves a ledge without a hop.
 #![allow(clippy::unwrap_used, reason = "what is not as the test needs it is a failed test")]
+#![allow(
+    clippy::useless_conversion,
+    clippy::unnecessary_cast,
+    reason = "Real is f32 in one build and f64 in the other"
+)]
 
 mod shared;
 

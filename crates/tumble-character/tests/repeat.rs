@@ -1,6 +1,11 @@
 //! Promise: the same characters give the same bits, whatever the number of threads and the order
 //! in which they were spawned, and after they were put back to an earlier step.
 #![allow(clippy::unwrap_used, reason = "what is not as the test needs it is a failed test")]
+#![allow(
+    clippy::useless_conversion,
+    clippy::unnecessary_cast,
+    reason = "Real is f32 in one build and f64 in the other"
+)]
 
 mod shared;
 

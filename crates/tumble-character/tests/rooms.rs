@@ -4,6 +4,11 @@
 //!
 //! `TUMBLE_WALKS` is the number of rooms, of 300 steps each.
 #![allow(clippy::unwrap_used, reason = "what is not as the test needs it is a failed test")]
+#![allow(
+    clippy::useless_conversion,
+    clippy::unnecessary_cast,
+    reason = "Real is f32 in one build and f64 in the other"
+)]
 
 mod shared;
 
