@@ -23,6 +23,9 @@ mod documents {
     #[doc = include_str!("../../README.md")]
     struct Readme;
 
+    #[doc = include_str!("../../crates/tumble-character/README.md")]
+    struct ReadmeOfCharacter;
+
     #[doc = include_str!("../../crates/tumble-import/README.md")]
     struct ReadmeOfImport;
 
@@ -35,8 +38,14 @@ mod documents {
     #[doc = include_str!("../../crates/tumble-scene/README.md")]
     struct ReadmeOfScene;
 
+    #[doc = include_str!("../../crates/tumble-vehicle/README.md")]
+    struct ReadmeOfVehicle;
+
     #[doc = include_str!("../../docs/batch.md")]
     struct Batches;
+
+    #[doc = include_str!("../../docs/characters.md")]
+    struct Characters;
 
     #[doc = include_str!("../../docs/contacts.md")]
     struct Contacts;
@@ -64,4 +73,7 @@ mod documents {
 
     #[doc = include_str!("../../docs/spinning.md")]
     struct Spinning;
+
+    #[doc = include_str!("../../docs/vehicles.md")]
+    struct Vehicles;
 }
