@@ -179,8 +179,8 @@ impl CollisionPipeline {
         self.sleepers.put_to_sleep(slot, self.body_index.len());
     }
 
-    /// Wakes what something strikes or comes near, so that it is solved in this substep. Returns the
-    /// bodies that slept.
+    /// Wakes what something strikes or comes near, so that it is solved in this substep. Returns
+    /// the bodies that slept.
     pub(crate) fn wake_struck(&mut self, joints: &JointList) -> Vec<Slot> {
         let mut struck = Vec::new();
         if self.sleepers.count() == 0 {
