@@ -23,7 +23,8 @@ pub(crate) struct SavedContacts {
     pub(crate) centers: Vec<[Real; 3]>,
     /// How much inertia the loads of joints ask for, one for each key [kg m^2].
     pub(crate) loads: Vec<f64>,
-    /// For how long they have been still, one for each key \[s\]; [`ASLEEP`](crate::collision::sleep::ASLEEP) of those that sleep.
+    /// For how long they have been still \[s\], one for each key; of those that sleep
+    /// [`ASLEEP`](crate::collision::sleep::ASLEEP).
     pub(crate) still: Vec<Real>,
     /// Whose slots are places among the keys.
     pub(crate) contacts: Vec<ContactRecord>,
