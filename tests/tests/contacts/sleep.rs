@@ -1,10 +1,9 @@
-//! Promise: with [`Sleep`] bodies at rest are left out of the steps and stay where they are; they wake
-//! when anything that holds them, touches them or acts on them changes, whoever changed it; waking
-//! and falling asleep makes no energy; and the bits are the same after a rewind, with any number of
-//! threads and in any order.
+//! Promise: with [`Sleep`] bodies at rest are left out of the steps and stay where they are; they
+//! wake when anything that holds them, touches them or acts on them changes, whoever changed it;
+//! waking and falling asleep makes no energy.
 //!
-//! Why: an engine that forgets to wake a body leaves it hanging in the air, one that takes a sleeping
-//! body for a wall loses momentum, and one that wakes too much never rests.
+//! Why: an engine that forgets to wake a body leaves it hanging in the air, one that takes a
+//! sleeping body for a wall loses momentum, and one that wakes too much never rests.
 
 use hecs::{Entity, World};
 use tumble::prelude::*;

@@ -1,5 +1,5 @@
-//! Promise: who sleeps, and every bit of the state, is the same after a rewind, in another world, with any
-//! number of threads, and in a batch.
+//! Promise: who sleeps, and every bit of the state, is the same after a rewind, in another world,
+//! with any number of threads, and in a batch.
 //!
 //! Why: sleep is state of the simulation beside the bodies; what a snapshot forgets of it shows a
 //! second later.

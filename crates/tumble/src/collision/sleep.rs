@@ -2,8 +2,8 @@
 //! of those that sleep.
 //!
 //! Whether a body wakes follows from the world as it is when a step begins, so nothing has to be
-//! called where it is changed. What comes near a sleeping body fast wakes it within the step, before
-//! contacts are solved.
+//! called where it is changed. What comes near a sleeping body fast wakes it within the step,
+//! before contacts are solved.
 
 use crate::collision::collider_state::ColliderState;
 use crate::collision::contact::ContactRecord;
@@ -223,8 +223,8 @@ impl Sleepers {
         all().filter(|slot| !stays_awake[islands.root(*slot).index()]).collect()
     }
 
-    /// Adds the sleeping bodies that contacts disturb: what touches them comes or slides faster than
-    /// they may move.
+    /// Adds the sleeping bodies that contacts disturb: what touches them comes or slides faster
+    /// than they may move.
     pub(crate) fn struck(
         &self,
         contacts: &[ContactRecord],

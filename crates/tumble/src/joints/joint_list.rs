@@ -242,7 +242,7 @@ impl JointList {
         self.pairs().chain(of_gears).collect()
     }
 
-    /// Shows each joint with a number that tells it from what it would be otherwise, and its bodies.
+    /// Shows each joint with a number of all that it is and has, and its bodies.
     pub(crate) fn for_each_mark(&self, mut show: impl FnMut((Entity, u64, [Entity; 2]))) {
         let hash = |seed: u64, numbers: &mut dyn Iterator<Item = u64>| {
             numbers.fold(seed, |sum, number| (sum ^ number).wrapping_mul(0x0100_0000_01b3).rotate_left(23))

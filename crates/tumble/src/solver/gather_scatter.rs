@@ -95,7 +95,8 @@ fn give_rows(
     next
 }
 
-/// Gives rows to the bodies that are not dynamic or sleep, and reads them. Returns the row after them.
+/// Gives rows to the bodies that are not dynamic or sleep, and reads them. Returns the row after
+/// them.
 fn gather_non_dynamic(
     constrained: &mut ConstrainedBodies,
     body_index: &BodyIndex,

@@ -247,7 +247,7 @@ pub(crate) fn integrate_unconstrained(
     let rows = if laws.is_empty() { RowOrder::Any } else { RowOrder::OfArchetype };
     bodies.for_included(rows, is_unconstrained, |bodies| integrate_bodies(bodies, laws, settings, time, wrenches));
     if wrenches == Wrenches::Consumed {
-        // What the caller adds to a body that sleeps, after it could wake it, waits for the next step.
+        // What is added to a sleeping body, after it could wake it, waits for the next step.
         let awake = bodies.wrench.iter_mut().zip(slots).filter(|(_, slot)| !constrained.is_asleep(**slot));
         awake.for_each(|(wrench, _)| *wrench = Wrench::default());
     }
