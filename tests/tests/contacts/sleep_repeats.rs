@@ -59,6 +59,25 @@ fn rewinds_are_exact() {
     }
 }
 
+/// In a simulation without sleep they are awake.
+#[test]
+fn who_slept_is_awake_where_nothing_sleeps() {
+    let (mut world, bodies) = heap(&mut Draw::new(0x51F6, 0), 0.5, 4);
+    let mut simulation = Simulation::new(sleeping()).unwrap();
+    simulation.step_many(&mut world, 600);
+    assert_eq!(asleep(&simulation), bodies.len());
+    let snapshot = simulation.snapshot(&world).unwrap();
+    let mut other = Simulation::new(Settings::default()).unwrap();
+    other.restore(&snapshot, &mut world).unwrap();
+    other.set_settings(Settings::default().with_gravity(Vec3::Y)).unwrap();
+    other.step_many(&mut world, 60);
+    assert_eq!(asleep(&other), 0);
+    for body in bodies {
+        let speed = world.get::<&Velocity>(body).unwrap().linear.y;
+        assert!((speed - 1.0).abs() < 0.1, "{speed} m/s");
+    }
+}
+
 #[test]
 fn neither_threads_nor_order_nor_a_batch_matter() {
     let draw = || Draw::new(0x51F3, 1);

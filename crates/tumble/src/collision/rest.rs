@@ -36,7 +36,7 @@ impl CollisionPipeline {
         is_pulled: impl Fn(u32) -> bool,
     ) {
         let Some(sleep) = settings.sleep else {
-            if self.sleepers.are_on() {
+            if !self.sleepers.rests.is_empty() {
                 self.sleepers.end(&mut self.contacts.records);
             }
             return;
