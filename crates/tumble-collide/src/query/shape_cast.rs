@@ -154,7 +154,7 @@ fn meet(
 }
 
 /// Whether a convex shape with a layer that goes along a line up to a distance may get nearer than
-/// `slack` \[m\] to the plane of a triangle.
+/// `slack` \[m\] to a triangle, as seen along its plane.
 fn may_reach(
     [a, b, c]: &[Vector; 3],
     (convex, layer): (Convex<'_>, f64),
@@ -170,9 +170,12 @@ fn may_reach(
         let furthest = convex.support(place.orientation.rotate_back(normal * way));
         normal.dot(place.to_world(furthest) - *a) + layer * way
     };
+    // The other corners of a thin triangle are not in its plane, for rounding.
+    let beside = [b, c].map(|corner| normal.dot(*corner - *a));
+    let (lowest, highest) = (beside[0].min(beside[1]).min(0.0), beside[0].max(beside[1]).max(0.0));
     let (low, high, rate) = (height(-1.0), height(1.0), normal.dot(line.along) * most);
     let slack = slack + 2.0 * TOUCHING * most;
-    low.min(low + rate) <= slack && high.max(high + rate) >= -slack
+    low.min(low + rate) <= highest + slack && high.max(high + rate) >= lowest - slack
 }
 
 /// The first meeting of a surface and a convex shape, of which one is moved, triangle by triangle.
