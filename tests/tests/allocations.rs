@@ -91,7 +91,7 @@ fn wake(pool: &ThreadPool) {
 
 fn count_steps(session: &Session) {
     type Scene = fn() -> World;
-    let scenes: [(&str, Scene); 12] = [
+    let scenes: [(&str, Scene); 13] = [
         ("empty", World::new),
         ("one", || tumbling_boxes(1)),
         ("boxes", || tumbling_boxes(20_000)),
@@ -102,6 +102,7 @@ fn count_steps(session: &Session) {
         ("coupled and booked", coupled_bodies),
         ("touching", pyramid),
         ("touching and booked", pyramid),
+        ("asleep", pyramid),
         ("jointed", jointed_bodies),
         ("jointed and booked", jointed_bodies),
     ];
@@ -111,7 +112,9 @@ fn count_steps(session: &Session) {
         for (name, scene) in scenes {
             for integrator in Integrator::ALL {
                 let mut world = scene();
-                let mut simulation = Simulation::new(Settings::default().with_integrator(integrator)).unwrap();
+                let sleep = (name == "asleep").then_some(Sleep { time: 0.01, ..Sleep::default() });
+                let settings = Settings::default().with_integrator(integrator).with_sleep(sleep);
+                let mut simulation = Simulation::new(settings).unwrap();
                 simulation.add_law::<Brake>();
                 simulation.add_simd_law::<coupled::Honey, 1>();
                 if name.ends_with("booked") {
@@ -120,7 +123,8 @@ fn count_steps(session: &Session) {
                 }
                 let counted = session.operation(format!("{name}, {integrator}, {threads} threads"));
                 pool.install(|| {
-                    simulation.step(&mut world);
+                    simulation.step_many(&mut world, if sleep.is_some() { 5 } else { 1 });
+                    assert_eq!(simulation.sleeping_bodies().count() > 0, sleep.is_some());
                     let _counting = counted.measure_process();
                     for _ in 0..10 {
                         simulation.step(&mut world);

@@ -62,7 +62,7 @@ pub struct Settings {
 pub struct Sleep {
     /// The fastest point of a body that is still \[m/s\]. 0.05 unless set.
     pub speed: Real,
-    /// How long bodies are still before they fall asleep \[s\]. 0.5 unless set.
+    /// How long bodies are still before they fall asleep \[s\], two steps at least. 0.5 unless set.
     pub time: Real,
 }
 

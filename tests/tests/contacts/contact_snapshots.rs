@@ -248,7 +248,8 @@ const NAMES: usize = 136 + 2 * (8 + 13 * NUMBER);
 const CENTERS: usize = NAMES + 2 * 8 + 4;
 /// Of joints, in double precision.
 const LOADS: usize = CENTERS + 3 * 3 * NUMBER;
-const CONTACTS: usize = LOADS + 3 * 8;
+const RESTS: usize = LOADS + 3 * 8;
+const CONTACTS: usize = RESTS + 3 * NUMBER;
 const CONTACT: usize = 16 + 15 * NUMBER;
 const POINTS: usize = CONTACTS + 2 * CONTACT;
 const POINT: usize = 4 + 5 * NUMBER;
@@ -264,6 +265,7 @@ fn contacts_are_in_the_file_as_documented() {
     assert_eq!([NAMES, NAMES + 8].map(word), [7, 9]);
     assert_eq!(half(NAMES + 16), 0);
     assert_eq!([0, 8, 16].map(|place| word(LOADS + place)), [0; 3]);
+    assert_eq!([0, 1, 2].map(|body| number(RESTS + body * NUMBER)), [0.0; 3]);
     // The ground is not moved by impulses, so it is the first of the two in both, though it comes
     // last.
     for (contact, body) in [(0, 0), (1, 1)] {
@@ -289,6 +291,18 @@ fn impossible_loads_are_refused() {
         for body in 0..3 {
             let error = Snapshot::from_bytes(&forged(&bytes, LOADS + 8 * body, &bad.to_le_bytes())).unwrap_err();
             assert_eq!(error, SnapshotError::JointLoad { body });
+        }
+    }
+}
+
+#[test]
+fn impossible_times_at_rest_are_refused() {
+    let (_, _, bytes) = two_boxes();
+    for bad in [Real::NAN, Real::INFINITY, -0.5, 2e9] {
+        for body in 0..3 {
+            let place = RESTS + NUMBER * body;
+            let error = Snapshot::from_bytes(&forged(&bytes, place, &bad.to_le_bytes())).unwrap_err();
+            assert_eq!(error, SnapshotError::Rest { body });
         }
     }
 }

@@ -437,6 +437,21 @@ fn nothing_sleeps_that_would_move() {
     }
 }
 
+/// What is let go at rest falls, however short the time of sleep.
+#[test]
+fn nothing_sleeps_in_the_air() {
+    for time in [1e-6, 0.01, 0.1] {
+        let mut world = World::new();
+        spawn_ground(&mut world);
+        let ball = RigidBody::new(Shape::sphere(0.5)).mass(1.0).position(Vec3::Y * 5.0);
+        let ball = ball.build().unwrap().spawn(&mut world);
+        let settings = Settings::default().with_sleep(Sleep { time, ..Sleep::default() });
+        let mut simulation = Simulation::new(settings).unwrap();
+        simulation.step_many(&mut world, 30);
+        assert!(position(&world, ball).y < 4.0, "{time} s: {}", position(&world, ball));
+    }
+}
+
 #[test]
 fn senseless_settings_are_refused() {
     for (sleep, field) in [

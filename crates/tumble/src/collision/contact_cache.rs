@@ -10,7 +10,6 @@ use crate::collision::contact_events::ContactEvent;
 use crate::collision::contact_set::ContactSet;
 use crate::collision::pipeline::{Colliders, CollisionPipeline};
 use crate::collision::saved_contacts::SavedContacts;
-use crate::collision::sleep::Sleepers;
 use crate::joints::joint_marks::JointMarks;
 use crate::math::Real;
 use crate::storage::body_index::{BodyIndex, Slot};
@@ -127,7 +126,7 @@ impl CollisionPipeline {
         self.contacts.substep = 0.0;
         self.cache.forget();
         self.sensors.forget();
-        self.sleepers = Sleepers::default();
+        self.sleepers.forget();
     }
 
     /// Copies what decides the next step, with the loads of joints by slot.

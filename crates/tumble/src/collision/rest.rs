@@ -6,7 +6,7 @@ use crate::collision::collider::Collider;
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_ways::length;
 use crate::collision::pipeline::CollisionPipeline;
-use crate::collision::sleep::{Awake, Rest, moves};
+use crate::collision::sleep::{Rest, Sleepers, moves};
 use crate::collision::traveller::energy;
 use crate::components::{Momentum, Velocity, Wrench};
 use crate::forces::registry::ForceLaws;
@@ -17,13 +17,6 @@ use crate::settings::{Settings, Sleep};
 use crate::storage::body_index::Slot;
 use crate::storage::chunk::Chunk;
 use crate::storage::world_columns::WorldColumns;
-
-/// By slot: which bodies are dynamic and awake, and which of these move at all.
-#[derive(Default)]
-struct AwakeBodies {
-    is_dynamic: Vec<bool>,
-    moves: Vec<bool>,
-}
 
 impl CollisionPipeline {
     /// Wakes what was disturbed since the last step, and puts to sleep what has been still for long
@@ -41,6 +34,8 @@ impl CollisionPipeline {
             }
             return;
         };
+        // What was laid into the air is still when its first step begins, and not after that.
+        let sleep = Sleep { time: sleep.time.max(2.0 * settings.dt), ..sleep };
         self.sleepers.rests.resize(self.body_index.len(), Rest::UNKNOWN);
         if !self.sleepers.are_on() {
             self.joint_marks.begin(joints);
@@ -50,24 +45,30 @@ impl CollisionPipeline {
             self.sleepers.disturbed.extend(all);
         }
         self.find_movers(columns);
-        let mut awake = self.compare_dynamic(columns, (settings, laws), &sleep, is_pulled);
+        self.compare_dynamic(columns, (settings, laws), &sleep, is_pulled);
         // After a restore all are with the others.
-        self.sleepers.take_contacts(&mut self.contacts.records, |slot| awake.is_dynamic[slot.index()]);
+        self.take_contacts();
         self.disturb_by_contacts((settings.dt / sleep.time).min(1.0));
+        let Self { sleepers, contacts, .. } = self;
         let links = joints.links();
-        let disturbed = std::mem::take(&mut self.sleepers.disturbed);
-        for slot in self.sleepers.wake(&disturbed, &links, &mut self.contacts.records) {
-            awake.is_dynamic[slot.index()] = true;
+        let mut disturbed = std::mem::take(&mut sleepers.disturbed);
+        for slot in sleepers.wake(&disturbed, &links, &mut contacts.records) {
+            sleepers.awake.is_dynamic[slot.index()] = true;
         }
-        let AwakeBodies { is_dynamic, moves } = &awake;
-        let awake = Awake { is_dynamic, moves, contacts: &self.contacts.records, links: &links };
-        let tired = self.sleepers.tired(&awake, &sleep);
-        for slot in tired {
-            self.put_to_sleep(slot, columns);
-        }
-        let is_awake = |slot: Slot| is_dynamic[slot.index()] && !self.sleepers.is_asleep(slot);
-        let dynamic: Vec<bool> = self.body_index.all().map(is_awake).collect();
-        self.sleepers.take_contacts(&mut self.contacts.records, |slot| dynamic[slot.index()]);
+        disturbed.clear();
+        sleepers.disturbed = disturbed;
+        sleepers.find_tired(&contacts.records, &links, &sleep);
+        let tired = std::mem::take(&mut sleepers.tired);
+        tired.iter().for_each(|slot| self.put_to_sleep(*slot, columns));
+        self.sleepers.tired = tired;
+        self.take_contacts();
+    }
+
+    /// Has the contacts of which no body is awake with the sleeping bodies.
+    fn take_contacts(&mut self) {
+        let awake = std::mem::take(&mut self.sleepers.awake);
+        self.sleepers.take_contacts(&mut self.contacts.records, |slot| awake.is_dynamic[slot.index()]);
+        self.sleepers.awake = awake;
     }
 
     /// Disturbs what has joints that are not as they were.
@@ -101,10 +102,10 @@ impl CollisionPipeline {
         (settings, laws): (&Settings, &ForceLaws),
         sleep: &Sleep,
         is_pulled: impl Fn(u32) -> bool,
-    ) -> AwakeBodies {
+    ) {
         let Self { sleepers, body_index, colliders, .. } = self;
-        let mut awake = AwakeBodies { is_dynamic: vec![false; body_index.len()], moves: vec![false; body_index.len()] };
-        let mut disturbed = std::mem::take(&mut sleepers.disturbed);
+        let (mut awake, mut disturbed) = (std::mem::take(&mut sleepers.awake), std::mem::take(&mut sleepers.disturbed));
+        awake.reset(body_index.len());
         laws.for_each_archetype_of(columns, |archetype, chunk, laws| {
             for (row, slot) in body_index.slots_in(archetype).iter().enumerate() {
                 let is_asleep = sleepers.is_asleep(*slot);
@@ -127,8 +128,7 @@ impl CollisionPipeline {
                 awake.moves[slot.index()] = chunk.momentum[row] != Momentum::default();
             }
         });
-        sleepers.disturbed = disturbed;
-        awake
+        (sleepers.awake, sleepers.disturbed) = (awake, disturbed);
     }
 
     /// Keeps awake what touches something that moves by itself, and disturbs what sleeps and lost
@@ -136,31 +136,30 @@ impl CollisionPipeline {
     /// A step is this `share` of the time that bodies have to be still for.
     fn disturb_by_contacts(&mut self, share: Real) {
         let Self { sleepers, contacts, colliders, .. } = self;
-        let is_mover = |slot: &Slot| sleepers.movers.binary_search(slot).is_ok();
-        let with_mover = sleepers.contacts.iter().filter(|contact| contact.slots.iter().any(is_mover));
-        let partners: Vec<Slot> = with_mover.flat_map(|contact| contact.slots).collect();
+        let Sleepers { movers, contacts: of_sleepers, disturbed, rests, asleep, .. } = sleepers;
+        let is_mover = |slot: &Slot| movers.binary_search(slot).is_ok();
+        if !movers.is_empty() {
+            let with_mover = of_sleepers.iter().filter(|contact| contact.slots.iter().any(is_mover));
+            disturbed.extend(with_mover.flat_map(|contact| contact.slots));
+        }
         let conveys = |contact: &ContactRecord| {
-            contacts.extras.conveys && {
-                let [a, b] = colliders.materials.surface_velocities(contact.slots, contact.part);
-                a != b || a != crate::math::Vec3::ZERO
-            }
+            let surfaces = || colliders.materials.surface_velocities(contact.slots, contact.part);
+            contacts.extras.conveys && surfaces().iter().any(|velocity| *velocity != WorldVec3::ZERO)
         };
-        let mut restless = Vec::new();
-        let mut pressed = Vec::new();
         for contact in &contacts.records {
-            if contact.slots.iter().any(is_mover) || conveys(contact) {
-                restless.extend(contact.slots);
-            }
-            for slot in contact.slots.into_iter().filter(|slot| sleepers.is_asleep(*slot)) {
-                if contact.impulse_of_step() > sleepers.rests[slot.index()].least_momentum * share {
-                    pressed.push(slot);
+            let is_restless = contact.slots.iter().any(is_mover) || conveys(contact);
+            for slot in contact.slots {
+                let rest = &mut rests[slot.index()];
+                if is_restless {
+                    rest.still = 0.0;
+                }
+                if asleep.get(slot.index()).is_some_and(|it| *it)
+                    && contact.impulse_of_step() > rest.least_momentum * share
+                {
+                    disturbed.push(slot);
                 }
             }
         }
-        for slot in restless {
-            sleepers.rests[slot.index()].still = 0.0;
-        }
-        sleepers.disturbed.extend(partners.into_iter().chain(pressed));
     }
 
     /// Takes the momentum of a body, books that, and leaves it out from now on.
@@ -177,6 +176,7 @@ impl CollisionPipeline {
             work[row].sleep -= given_up;
         }
         self.sleepers.put_to_sleep(slot, self.body_index.len());
+        self.sleepers.awake.is_dynamic[slot.index()] = false;
     }
 
     /// Wakes what something strikes or comes near, so that it is solved in this substep. Returns

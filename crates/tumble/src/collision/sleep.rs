@@ -19,7 +19,7 @@ pub(crate) struct Sleepers {
     /// By slot; empty where the settings have no sleep.
     pub(crate) rests: Vec<Rest>,
     /// By slot; empty where none sleeps.
-    asleep: Vec<bool>,
+    pub(crate) asleep: Vec<bool>,
     count: usize,
     /// Contacts of sleeping bodies with each other and with what is not dynamic, by key.
     pub(crate) contacts: Vec<ContactRecord>,
@@ -30,6 +30,28 @@ pub(crate) struct Sleepers {
     /// Non-dynamic bodies that move by themselves, or were moved since the last step.
     pub(crate) movers: Vec<Slot>,
     islands: Islands,
+    /// Memory that every step overwrites.
+    pub(crate) awake: AwakeBodies,
+    stays_awake: Vec<bool>,
+    is_held: Vec<bool>,
+    pub(crate) tired: Vec<Slot>,
+}
+
+/// By slot: which bodies are dynamic and awake, and which of these move at all.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct AwakeBodies {
+    pub(crate) is_dynamic: Vec<bool>,
+    pub(crate) moves: Vec<bool>,
+}
+
+impl AwakeBodies {
+    /// None of this many.
+    pub(crate) fn reset(&mut self, count: usize) {
+        for list in [&mut self.is_dynamic, &mut self.moves] {
+            list.clear();
+            list.resize(count, false);
+        }
+    }
 }
 
 /// A body as it was when the last step began.
@@ -98,7 +120,10 @@ impl Sleepers {
 
     /// Puts back who slept, and for how long others have been still: by slot, [`ASLEEP`] of those.
     pub(crate) fn put_back(&mut self, still: &[Real]) {
-        *self = Self::default();
+        self.forget();
+        if still.iter().all(|still| *still == 0.0) {
+            return;
+        }
         self.rests.extend(still.iter().map(|still| Rest { still: still.max(0.0), ..Rest::UNKNOWN }));
         self.asleep.extend(still.iter().map(|still| *still == ASLEEP));
         self.recount();
@@ -119,7 +144,17 @@ impl Sleepers {
     /// None sleeps any more, and nothing is known; their contacts are with the others again.
     pub(crate) fn end(&mut self, contacts: &mut Vec<ContactRecord>) {
         self.give_back(contacts, |_| true);
-        *self = Self::default();
+        self.forget();
+    }
+
+    /// None sleeps any more, and nothing is known.
+    pub(crate) fn forget(&mut self) {
+        self.rests.clear();
+        self.asleep.clear();
+        self.count = 0;
+        self.contacts.clear();
+        self.settings = None;
+        self.disturbed.clear();
     }
 
     /// Puts a body to sleep, or back to sleep after it was restored.
@@ -193,19 +228,20 @@ impl Sleepers {
         }
     }
 
-    /// The islands of awake bodies of which all have been still for long enough, and that something
-    /// holds or that do not move: all of their bodies, in order.
-    pub(crate) fn tired(&mut self, awake: &Awake<'_>, sleep: &Sleep) -> Vec<Slot> {
-        let Self { islands, rests, .. } = self;
+    /// Lists the bodies of islands of which all have been still for long enough, and that something
+    /// holds or that do not move, in order.
+    pub(crate) fn find_tired(&mut self, contacts: &[ContactRecord], links: Links<'_>, sleep: &Sleep) {
+        let Self { islands, rests, awake, stays_awake, is_held, tired, .. } = self;
         let is_awake = |slot: Slot| awake.is_dynamic[slot.index()];
-        let of_contacts = awake.contacts.iter().map(|contact| contact.slots);
-        let pairs = of_contacts.clone().chain(awake.links.iter().copied());
-        islands.join(rests.len(), pairs.clone(), is_awake);
-        let mut stays_awake = vec![false; rests.len()];
-        let mut is_held = vec![false; rests.len()];
-        let touching = awake.contacts.iter().filter(|contact| contact.touches()).map(|contact| contact.slots);
-        for slots in touching.chain(awake.links.iter().copied()) {
-            for (slot, other) in [(slots[0], slots[1]), (slots[1], slots[0])] {
+        let pairs = contacts.iter().map(|contact| contact.slots).chain(links.iter().copied());
+        islands.join(rests.len(), pairs, is_awake);
+        for list in [&mut *stays_awake, &mut *is_held] {
+            list.clear();
+            list.resize(rests.len(), false);
+        }
+        let touching = contacts.iter().filter(|contact| contact.touches()).map(|contact| contact.slots);
+        for [a, b] in touching.chain(links.iter().copied()) {
+            for (slot, other) in [(a, b), (b, a)] {
                 if is_awake(slot) && !is_awake(other) {
                     is_held[islands.root(slot).index()] = true;
                 }
@@ -213,14 +249,12 @@ impl Sleepers {
         }
         let all = || (0..rests.len() as u32).map(Slot).filter(|slot| is_awake(*slot));
         for slot in all() {
-            let root = islands.root(slot);
-            stays_awake[root.index()] |= rests[slot.index()].still < sleep.time;
+            let root = islands.root(slot).index();
+            let drifts = awake.moves[slot.index()] && !is_held[root];
+            stays_awake[root] |= rests[slot.index()].still < sleep.time || drifts;
         }
-        for slot in all().filter(|slot| awake.moves[slot.index()]) {
-            let root = islands.root(slot);
-            stays_awake[root.index()] |= !is_held[root.index()];
-        }
-        all().filter(|slot| !stays_awake[islands.root(*slot).index()]).collect()
+        tired.clear();
+        tired.extend(all().filter(|slot| !stays_awake[islands.root(*slot).index()]));
     }
 
     /// Adds the sleeping bodies that contacts disturb: what touches them comes or slides faster
@@ -240,15 +274,6 @@ impl Sleepers {
             }
         }
     }
-}
-
-/// The bodies of a world that do not sleep.
-pub(crate) struct Awake<'a> {
-    /// By slot: whether the body is dynamic and does not sleep, and whether it moves at all.
-    pub(crate) is_dynamic: &'a [bool],
-    pub(crate) moves: &'a [bool],
-    pub(crate) contacts: &'a [ContactRecord],
-    pub(crate) links: Links<'a>,
 }
 
 /// Whether a body that is not dynamic moves by itself.
