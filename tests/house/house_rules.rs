@@ -124,7 +124,7 @@ struct Rule {
 }
 
 /// The workspace from the bottom up. The engine and those above it add a mathematics crate.
-const RULES: [Rule; 16] = [
+const RULES: [Rule; 17] = [
     Rule { member: "crates/tumble-math", members: &[], outside: Some(&["glam", "libm", "serde", "thiserror"]) },
     Rule { member: "crates/tumble-collide", members: &["tumble-math"], outside: Some(&["thiserror"]) },
     Rule {
@@ -155,6 +155,11 @@ const RULES: [Rule; 16] = [
     },
     Rule { member: "examples/docking", members: &["tumble"], outside: Some(&["hecs", "macroquad"]) },
     Rule { member: "examples/turret", members: &["tumble"], outside: Some(&["hecs", "macroquad"]) },
+    Rule {
+        member: "examples/yard",
+        members: &["tumble", "tumble-character", "tumble-vehicle"],
+        outside: Some(&["hecs", "macroquad"]),
+    },
     Rule {
         member: "tests",
         members: &[
