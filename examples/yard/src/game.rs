@@ -20,6 +20,8 @@ const REACH: Real = 12.0;
 const DOOR: Real = 3.0;
 /// How long the gate stays open when nothing is on the plate, in steps.
 const GATE_STEPS: u64 = 600;
+/// What stacks take to settle by their millimetre, before anybody looks, in steps.
+pub(crate) const SETTLE: u64 = 120;
 /// Of slow motion.
 const SLOW: f64 = 0.15;
 
@@ -65,6 +67,7 @@ pub(crate) struct Player {
 }
 
 /// The state to begin again from.
+#[derive(Default)]
 struct Start {
     bodies: Snapshot,
     characters: SavedCharacters,
@@ -84,10 +87,14 @@ impl Game {
         let mut world = World::new();
         let yard = yard::build(&mut world)?;
         let simulation = Simulation::new(Settings::default())?;
-        let (bodies, characters) = (simulation.snapshot(&world)?, SavedCharacters::capture(&world));
-        let car = *world.get::<&VehicleState>(yard.car)?;
-        let start = Start { bodies, characters, car };
-        Ok(Self { world, simulation, yard, player: Player::default(), start })
+        let mut game = Self { world, simulation, yard, player: Player::default(), start: Start::default() };
+        let dt = f64::from(game.simulation.settings().dt);
+        while game.simulation.steps() < SETTLE {
+            game.update(dt, &Actions::default());
+        }
+        let (bodies, characters) = (game.simulation.snapshot(&game.world)?, SavedCharacters::capture(&game.world));
+        game.start = Start { bodies, characters, car: *game.world.get::<&VehicleState>(game.yard.car)? };
+        Ok(game)
     }
 
     /// A frame: as many fixed steps as fit, each with our systems before it. Returns how far the

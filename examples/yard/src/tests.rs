@@ -9,7 +9,7 @@ use tumble::snapshot::{BodyOrder, state_hash};
 use tumble_character::CharacterState;
 
 use super::*;
-use crate::game::{Ball, place};
+use crate::game::{Ball, SETTLE, place};
 use crate::pilot::Stop::{self, Car, Drive, Pull, Run, Shoot, Wait, Walk};
 use crate::yard::{Lift, Look, YARD};
 
@@ -92,7 +92,11 @@ fn stairs_lead_to_the_deck_and_the_slope_down() {
 
 #[test]
 fn the_lift_keeps_who_rides_it() {
-    let mut game = play(&[Run(-8.0, -1.05), Walk(-14.0, -1.05)]);
+    let mut game = play(&[Run(-10.0, -1.05)]);
+    while game.simulation.steps() % 600 != 530 {
+        step(&mut game, &Actions::default());
+    }
+    play_with(&mut game, &[Walk(-14.0, -1.05)], |_| ());
     let (mut highest, mut most) = (0.0, 0.0);
     play_with(&mut game, &[Wait(20.0)], |game| {
         let top = lift(game).1.y + 0.1;
@@ -105,7 +109,7 @@ fn the_lift_keeps_who_rides_it() {
 
 #[test]
 fn the_carousel_carries_and_turns() {
-    let mut game = play(&[Walk(-6.0, 9.0)]);
+    let mut game = play(&[Walk(-6.0, 9.0), Wait(0.2)]);
     let (before, mut farthest) = (hero(&game), 0.0);
     play_with(&mut game, &[Wait(4.5)], |game| farthest = Real::max(farthest, hero(game).distance(before)));
     assert!((1.5..2.5).contains(&farthest), "{farthest} m across");
@@ -216,7 +220,7 @@ fn slow_motion_and_frames_change_no_bit() {
     let end = |frame: f64, slow: bool| {
         let mut game = Game::new().unwrap();
         let mut hashes = Vec::new();
-        while game.simulation.steps() < 240 {
+        while game.simulation.steps() < SETTLE + 240 {
             let now = game.simulation.steps();
             let actions =
                 Actions { ahead: 1.0, run: true, shoot: now % 20 > 9, jump: now > 90, slow, ..Actions::default() };
@@ -234,11 +238,11 @@ fn slow_motion_and_frames_change_no_bit() {
 /// Keys at random: nobody gets out, nothing is not a number, and the game goes on.
 #[test]
 fn random_keys_break_nothing() {
-    for seed in 0..4 {
+    for seed in 0..2 {
         let (mut game, mut rng) = (Game::new().unwrap(), Rng::new(seed));
         let mut actions = Actions::default();
         let mut car = 0;
-        for now in 0..3000 {
+        for now in 0..2500 {
             if now % 12 == 0 {
                 let chances = [0.6, 0.2, 0.1, 0.5, 0.5, 0.4, 0.002];
                 let [run, jump, crouch, grab, shoot, use_car, restart] = chances.map(|part| rng.range(0.0, 1.0) < part);
@@ -259,7 +263,7 @@ fn random_keys_break_nothing() {
                 assert!(pose.position.abs().max_element() < 60.0, "seed {seed}, step {now}: {}", pose.position);
             }
         }
-        assert!(seed > 0 || car < 3000);
+        assert!(seed > 0 || car < 2500);
     }
 }
 

@@ -52,7 +52,7 @@ pub(crate) struct Lift {
 impl Lift {
     pub(crate) fn height_at(&self, step: u64) -> Real {
         let phase = (step % self.period) as Real / self.period as Real;
-        let way = ((1.0 - (2.0 * phase - 1.0).abs()) * 1.5 - 0.25).clamp(0.0, 1.0);
+        let way = ((1.0 - (2.0 * phase - 1.0).abs()) * 2.0 - 0.5).clamp(0.0, 1.0);
         self.low + (self.high - self.low) * way * way * (3.0 - 2.0 * way)
     }
 }
