@@ -5,7 +5,8 @@ use tumble::prelude::*;
 use tumble_character::CharacterState;
 
 use crate::draw::screen;
-use crate::game::{Game, direction, head_height, shoulder};
+use crate::game::{Game, direction, head_height};
+use crate::hand::shoulder;
 
 /// Radians for each pixel of the mouse.
 const MOUSE: Real = 0.0025;

@@ -12,6 +12,8 @@ const SUN: Vec3 = Vec3::new(0.42, 0.82, 0.39);
 const SHADOW: mq::Color = mq::Color::new(0.36, 0.42, 0.33, 1.0);
 const SKY: mq::Color = mq::Color::new(0.66, 0.80, 0.92, 1.0);
 const HERO: [f32; 3] = [0.16, 0.62, 0.56];
+const DARK: [f32; 3] = [0.14, 0.16, 0.20];
+pub(crate) const YELLOW: [f32; 3] = [0.95, 0.75, 0.15];
 const HELP: &str = "WASD move, shift run, space jump, C crouch, left click shoot, right click pull, \
                     E car, R restart, T slow, Esc quit";
 
@@ -64,8 +66,13 @@ fn draw_hero(game: &Game, alpha: Real, yaw: Real) {
     let sole = game.drawn(game.yard.hero, alpha).position;
     let body = Pose { position: sole + Vec3::Y * (half + 0.3), orientation: Quat::from_rotation_y(yaw) };
     draw_shape(&Shape::capsule(0.29, half), &body, HERO);
-    let visor = body * Pose::at(Vec3::new(0.0, half, -0.2));
-    draw_shape(&Shape::cuboid([0.2, 0.07, 0.12]), &visor, [0.12, 0.14, 0.18]);
+    for (shape, at, color) in [
+        (Shape::cuboid([0.2, 0.07, 0.12]), Vec3::new(0.0, half, -0.2), DARK), // visor
+        (Shape::cylinder(0.3, 0.04), Vec3::Y * -0.1, DARK),
+        (Shape::cuboid([0.17, 0.22, 0.1]), Vec3::new(0.0, half * 0.5, 0.3), YELLOW), // rucksack
+    ] {
+        draw_shape(&shape, &(body * Pose::at(at)), color);
+    }
     if let Some(grip) = game.player.grip {
         let held = game.drawn(grip.body, alpha).transform_point(grip.local);
         let hand = body.transform_point(Vec3::new(0.3, 0.2, -0.2));
@@ -77,21 +84,16 @@ fn draw_hero(game: &Game, alpha: Real, yaw: Real) {
 
 /// Tiles, and what lies beyond the walls.
 fn draw_ground() {
-    let quad = |at: Vec3, half: Real, color: [f32; 3]| {
-        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
-        let points = corners.map(|(x, z)| (at + Vec3::new(x, 0.0, z) * half, Vec3::Y));
-        draw_surface(
-            &(points.to_vec(), vec![0, 1, 2, 0, 2, 3]),
-            |_, _| mq::Color::new(color[0], color[1], color[2], 1.0),
-            |it| it,
-        );
+    let tile = |x: f32, z: f32, size: f32, height: f32, [r, g, b]: [f32; 3]| {
+        let (x_edge, z_edge) = (mq::Vec3::X * size, mq::Vec3::Z * size);
+        mq::draw_affine_parallelogram(mq::vec3(x, height, z), x_edge, z_edge, None, mq::Color::new(r, g, b, 1.0));
     };
-    quad(Vec3::Y * -0.05, 250.0, [0.50, 0.58, 0.46]);
+    tile(-250.0, -250.0, 500.0, -0.05, [0.50, 0.58, 0.46]);
     let count = (YARD / 2.0) as i16;
     for i in -count..count {
         for j in -count..count {
-            let at = Vec3::new(Real::from(i) * 2.0 + 1.0, 0.0, Real::from(j) * 2.0 + 1.0);
-            quad(at, 1.0, if (i + j) % 2 == 0 { [0.55, 0.61, 0.50] } else { [0.58, 0.64, 0.53] });
+            let color = if (i + j) % 2 == 0 { [0.55, 0.61, 0.50] } else { [0.58, 0.64, 0.53] };
+            tile(f32::from(i) * 2.0, f32::from(j) * 2.0, 2.0, 0.0, color);
         }
     }
 }
@@ -102,7 +104,7 @@ fn draw_shape(shape: &Shape, pose: &Pose, [r, g, b]: [f32; 3]) {
     let lit = |_: Vec3, normal: Vec3| {
         let light = (pose.orientation * normal).dot(SUN);
         let sky = (pose.orientation * normal).y;
-        let shade = screen(Vec3::splat(0.62 + 0.30 * light.max(0.0) + 0.10 * sky)).x;
+        let shade = screen(Vec3::splat(0.66 + 0.32 * light.max(0.0) + 0.10 * sky)).x;
         mq::Color::new(r * shade, g * shade, b * shade, 1.0)
     };
     draw_surface(&surface, lit, |point| pose.transform_point(point));
@@ -160,19 +162,19 @@ fn cuboid(half: Vec3) -> Surface {
 /// A ball, or a capsule where its halves are apart.
 fn round(radius: Real, half: Real) -> Surface {
     let ring = |i: u8| {
-        let (sin, cos) = (Real::from(i) * (std::f64::consts::PI / 9.0) as Real).sin_cos();
-        [radius * sin, radius * cos + if i < 5 { half } else { -half }, sin, cos]
+        let (sin, cos) = (Real::from(i) * (std::f64::consts::PI / 13.0) as Real).sin_cos();
+        [radius * sin, radius * cos + if i < 7 { half } else { -half }, sin, cos]
     };
-    turned(&std::array::from_fn::<_, 10, _>(|i| ring(i as u8)))
+    turned(&std::array::from_fn::<_, 14, _>(|i| ring(i as u8)))
 }
 
 /// A line of radius, height and normal that is turned about y.
 fn turned(profile: &[[Real; 4]]) -> Surface {
-    const AROUND: u16 = 16;
+    const AROUND: u16 = 24;
     let mut surface = Surface::default();
     for [radius, height, out, up] in profile {
         for i in 0..AROUND {
-            let (sin, cos) = (Real::from(i) * (std::f64::consts::TAU / 16.0) as Real).sin_cos();
+            let (sin, cos) = (Real::from(i) * (std::f64::consts::TAU / 24.0) as Real).sin_cos();
             surface.0.push((Vec3::new(radius * cos, *height, radius * sin), Vec3::new(out * cos, *up, out * sin)));
         }
     }
@@ -192,7 +194,7 @@ pub(crate) fn draw_text(game: &Game) {
     mq::draw_text(HELP, 14.0, height - 9.0, 20.0, mq::WHITE);
     if game.player.driving {
         let speed = game.world.get::<&Velocity>(game.yard.car).map_or(0.0, |it| it.linear.length());
-        mq::draw_text(&format!("{:.0} km/h", speed * 3.6), 14.0, 34.0, 32.0, mq::WHITE);
+        mq::draw_text(format!("{:.0} km/h", speed * 3.6), 14.0, 34.0, 32.0, mq::WHITE);
         return;
     }
     let color = if game.player.grip.is_some() { mq::ORANGE } else { mq::WHITE };

@@ -1,7 +1,8 @@
-//! A yard to play in: walk, climb, ride, drive, throw, pull, open. A game prototype to copy from.
+//! A yard to play in: walk, climb, ride, drive, shoot, pull, open. A game prototype to copy from.
 //!
 //! - `yard.rs` spawns the level: bodies and joints of tumble with components of our own;
-//! - `game.rs` is the game without a window: systems before each fixed step, restart by snapshot;
+//! - `game.rs`, with `hand.rs` and `driver.rs`, is the game without a window: systems before each
+//!   fixed step, restart by snapshot;
 //! - `camera.rs` and `draw.rs` look between two steps, and change nothing;
 //! - `pilot.rs` plays by itself, for pictures and for `tests.rs`.
 //!
@@ -9,7 +10,9 @@
 
 mod camera;
 mod draw;
+mod driver;
 mod game;
+mod hand;
 mod pilot;
 #[cfg(test)]
 mod tests;
@@ -25,108 +28,78 @@ use game::{Actions, Game};
 use pilot::Pilot;
 
 const HELP: &str = "\
-A yard to play in.
+A yard to play in; the window has the keys.
 
 Usage: yard [OPTIONS]
 
 Options:
-      --autopilot       It plays by itself
-      --frames NAME     Write NAME-0000.png and so on of what the autopilot does, and end with it
-      --from SECONDS    When to begin with that [default: 0]
-      --every STEPS     One picture in how many steps [default: 60]
-  -h, --help            Print this
+      --autopilot     It plays by itself
+      --frames NAME   The same, as NAME-0000.png and so on, fifteen a second
+  -h, --help          Print this";
+/// Steps from one of these to the next.
+const FRAME: u64 = 4;
 
-Keys: WASD, shift, space, C, mouse, E, R, T, Escape; as the window says.
-";
-
-#[derive(Default)]
-struct Options {
-    autopilot: bool,
-    frames: Option<String>,
-    from: f64,
-    every: u64,
-}
-
-impl Options {
-    fn parse(mut words: impl Iterator<Item = String>) -> Result<Self, Box<dyn Error>> {
-        let mut options = Self { every: 60, ..Self::default() };
-        while let Some(word) = words.next() {
-            let mut value = || words.next().ok_or(format!("{word} needs a value"));
-            match word.as_str() {
-                "--autopilot" => options.autopilot = true,
-                "--frames" => options.frames = Some(value()?),
-                "--from" => options.from = value()?.parse()?,
-                "--every" => options.every = value()?.parse::<u64>()?.max(1),
-                _ => return Err(format!("{word}: try --autopilot, --frames, --from, --every or --help").into()),
-            }
+#[macroquad::main(window)]
+async fn main() -> Result<(), Box<dyn Error>> {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        [] => play(false, None).await,
+        ["--autopilot"] => play(true, None).await,
+        ["--frames", name] => play(true, Some(name)).await,
+        _ => {
+            println!("{HELP}");
+            Ok(())
         }
-        Ok(options)
     }
 }
 
-fn main() {
-    if std::env::args().skip(1).any(|word| ["-h", "--help"].contains(&word.as_str())) {
-        return print!("{HELP}");
-    }
-    let options = Options::parse(std::env::args().skip(1)).unwrap_or_else(|error| {
-        eprintln!("yard: {error}");
-        std::process::exit(2)
-    });
-    let config = mq::Conf {
+fn window() -> mq::Conf {
+    mq::Conf {
         window_title: "tumble: yard".to_owned(),
         window_width: 1280,
         window_height: 720,
         sample_count: 4,
         ..Default::default()
-    };
-    macroquad::Window::from_config(config, async {
-        if let Err(error) = play(options).await {
-            eprintln!("yard: {error}");
-            std::process::exit(1);
-        }
-    });
+    }
 }
 
-async fn play(options: Options) -> Result<(), Box<dyn Error>> {
+async fn play(autopilot: bool, frames: Option<&str>) -> Result<(), Box<dyn Error>> {
     let (mut game, mut camera, mut pilot) = (Game::new()?, Camera::default(), Pilot::tour());
-    let records = options.frames.is_some();
-    let mut grabbed = !options.autopilot && !records;
-    mq::set_cursor_grab(grabbed);
-    mq::show_mouse(!grabbed);
-    let mut pictures = 0;
-    while !mq::is_key_pressed(mq::KeyCode::Escape) {
+    let (mut has_mouse, mut pictures) = (!autopilot, 0);
+    take_mouse(has_mouse);
+    while !mq::is_key_pressed(mq::KeyCode::Escape) && (frames.is_none() || !pilot.is_done()) {
         if mq::is_key_pressed(mq::KeyCode::R) {
             game.restart()?;
             (camera, pilot) = (Camera::default(), Pilot::tour());
         }
         if mq::is_key_pressed(mq::KeyCode::Tab) {
-            grabbed = !grabbed;
-            mq::set_cursor_grab(grabbed);
-            mq::show_mouse(!grabbed);
+            has_mouse = !has_mouse;
+            take_mouse(has_mouse);
         }
-        camera.turn(grabbed);
+        camera.turn(has_mouse);
         let dt = f64::from(game.simulation.settings().dt);
-        let seconds = if records { dt } else { f64::from(mq::get_frame_time()) };
-        let actions = if options.autopilot || records { pilot.fly(&game) } else { keyboard(&camera) };
+        let seconds = if frames.is_some() { dt } else { f64::from(mq::get_frame_time()) };
+        let actions = if autopilot { pilot.fly(&game) } else { keyboard(&camera) };
         (camera.yaw, camera.pitch) = (actions.yaw, actions.pitch);
         let alpha = game.update(seconds, &actions);
         let view = camera.follow(&game, alpha, seconds as Real);
-        let steps = game.simulation.steps();
-        let shows = !records || (game.simulation.time() >= options.from && steps.is_multiple_of(options.every));
-        if shows {
-            draw::draw_world(&game, alpha, &view, camera.yaw);
-            draw::draw_text(&game);
-            if let Some(name) = &options.frames {
-                draw::save_picture(&format!("{name}-{pictures:04}.png"));
-                pictures += 1;
-            }
-            mq::next_frame().await;
+        if frames.is_some() && !game.simulation.steps().is_multiple_of(FRAME) {
+            continue;
         }
-        if records && pilot.is_done() {
-            break;
+        draw::draw_world(&game, alpha, &view, camera.yaw);
+        draw::draw_text(&game);
+        if let Some(name) = frames {
+            draw::save_picture(&format!("{name}-{pictures:04}.png"));
+            pictures += 1;
         }
+        mq::next_frame().await;
     }
     Ok(())
+}
+
+fn take_mouse(takes: bool) {
+    mq::set_cursor_grab(takes);
+    mq::show_mouse(!takes);
 }
 
 /// What the keys and the mouse ask for.

@@ -20,10 +20,10 @@ pub(crate) enum Stop {
 /// What the tour is.
 const TOUR: &[Stop] = &[
     Stop::Run(0.0, 6.0),
-    Stop::Shoot(Vec3::new(0.0, 1.8, -5.0)),
-    Stop::Shoot(Vec3::new(-0.8, 1.4, -5.0)),
-    Stop::Shoot(Vec3::new(0.8, 1.2, -5.0)),
-    Stop::Wait(1.0),
+    Stop::Shoot(Vec3::new(-0.3, 1.8, -5.0)),
+    Stop::Shoot(Vec3::new(0.4, 1.4, -5.0)),
+    Stop::Shoot(Vec3::new(-0.2, 1.0, -5.0)),
+    Stop::Wait(0.7),
     Stop::Run(-5.0, -5.0),
     Stop::Pull(Vec3::new(-8.0, 0.8, -9.0), Vec3::new(-4.5, 2.2, -9.0), 2.0),
     Stop::Wait(1.5),
@@ -36,8 +36,8 @@ const TOUR: &[Stop] = &[
     Stop::Walk(13.2, 14.6),
     Stop::Car,
     Stop::Drive(15.0, 4.0),
-    Stop::Drive(9.0, -7.5),
-    Stop::Wait(1.0),
+    Stop::Drive(3.0, -4.5),
+    Stop::Drive(-4.0, -6.0),
 ];
 
 pub(crate) struct Pilot {

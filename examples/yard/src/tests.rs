@@ -9,7 +9,8 @@ use tumble::snapshot::{BodyOrder, state_hash};
 use tumble_character::CharacterState;
 
 use super::*;
-use crate::game::{Ball, SETTLE, place};
+use crate::game::{SETTLE, place};
+use crate::hand::Ball;
 use crate::pilot::Stop::{self, Car, Drive, Pull, Run, Shoot, Wait, Walk};
 use crate::yard::{Lift, Look, YARD};
 
@@ -265,13 +266,4 @@ fn random_keys_break_nothing() {
         }
         assert!(seed > 0 || car < 2500);
     }
-}
-
-#[test]
-fn the_command_line_names_what_is_wrong() {
-    let parsed = |line: &str| Options::parse(line.split_whitespace().map(str::to_owned));
-    let options = parsed("--autopilot --frames a --from 2.5 --every 4").unwrap();
-    assert!(options.autopilot && options.frames.as_deref() == Some("a"));
-    assert_eq!((options.from, options.every), (2.5, 4));
-    assert!(parsed("--from").is_err() && parsed("--stop").is_err());
 }

@@ -37,6 +37,13 @@ impl Look {
     pub(crate) fn of(shape: Shape, color: [f32; 3]) -> Self {
         Self(vec![Piece { pose: Pose::default(), shape, color }])
     }
+    /// A crate: a frame, and panels that stand out of it by a millimetre.
+    fn framed(half: f64, [r, g, b]: [f32; 3]) -> Self {
+        let (out, inner) = (half + 0.001, half * 0.8);
+        let panels = [[out, inner, inner], [inner, out, inner], [inner, inner, out]];
+        let frame = Self::of(Shape::cuboid([half; 3]), [r * 0.8, g * 0.8, b * 0.8]);
+        panels.into_iter().fold(frame, |look, it| look.and(Shape::cuboid(it), Vec3::ZERO, [r, g, b]))
+    }
     fn and(mut self, shape: Shape, at: Vec3, color: [f32; 3]) -> Self {
         self.0.push(Piece { pose: Pose::at(at), shape, color });
         self
@@ -217,18 +224,23 @@ impl Builder<'_> {
         Ok(())
     }
 
+    fn crate_at(&mut self, half: f64, mass: f64, at: Vec3, color: usize) -> Result<(), BodyError> {
+        let body = RigidBody::new(Shape::cuboid([half; 3])).mass(mass).position(at);
+        self.add(body, Look::framed(half, WOOD[color % 2])).map(|_| ())
+    }
+
     /// A wall and a tower of crates, and pins.
     fn stacks(&mut self) -> Result<(), BodyError> {
         for row in 0..6_u8 {
             for column in 0..6 - row % 2 {
                 let x = 0.62 * (Real::from(column) - 2.5 + 0.5 * Real::from(row % 2));
                 let at = Vec3::new(x, 0.3 + 0.6 * Real::from(row), -5.0);
-                self.loose(Shape::cuboid([0.3; 3]), 6.0, at, WOOD[usize::from((row + column) % 2)])?;
+                self.crate_at(0.3, 4.0, at, usize::from(row + column))?;
             }
         }
         for i in 0..8_u8 {
             let at = Vec3::new(-11.0, 0.35 + 0.7 * Real::from(i / 2), -9.4 + 0.8 * Real::from(i % 2));
-            self.loose(Shape::cuboid([0.35; 3]), 8.0, at, WOOD[usize::from(i / 2 % 2)])?;
+            self.crate_at(0.35, 6.0, at, usize::from(i / 2))?;
         }
         for i in 0..4_u8 {
             for j in 0..=i {
