@@ -38,6 +38,9 @@ impl Camera {
         let crouches = game.world.get::<&CharacterState>(yard.hero).is_ok_and(|state| state.is_crouching);
         let wanted = body.position.y + if driving { 1.1 } else { head_height(crouches) };
         let near = |rate: Real| 1.0 - (-rate * seconds).exp();
+        if self.height.is_none() {
+            self.back = 3.2;
+        }
         let height = self.height.unwrap_or(wanted);
         let height = height + (wanted - height) * near(16.0);
         self.height = Some(height);

@@ -19,11 +19,14 @@ pub(crate) enum Stop {
 
 /// What the tour is.
 const TOUR: &[Stop] = &[
-    Stop::Run(0.0, 6.0),
-    Stop::Shoot(Vec3::new(-0.3, 1.8, -5.0)),
-    Stop::Shoot(Vec3::new(0.4, 1.4, -5.0)),
-    Stop::Shoot(Vec3::new(-0.2, 1.0, -5.0)),
-    Stop::Wait(0.7),
+    Stop::Run(0.5, 4.0),
+    Stop::Shoot(Vec3::new(0.4, 2.6, -5.0)),
+    Stop::Shoot(Vec3::new(-0.6, 2.2, -5.0)),
+    Stop::Shoot(Vec3::new(0.8, 1.6, -5.0)),
+    Stop::Shoot(Vec3::new(-0.3, 1.4, -5.0)),
+    Stop::Shoot(Vec3::new(0.4, 0.9, -5.0)),
+    Stop::Shoot(Vec3::new(-0.8, 0.9, -5.0)),
+    Stop::Wait(1.2),
     Stop::Run(-5.0, -5.0),
     Stop::Pull(Vec3::new(-8.0, 0.8, -9.0), Vec3::new(-4.5, 2.2, -9.0), 2.0),
     Stop::Wait(1.5),
@@ -37,7 +40,8 @@ const TOUR: &[Stop] = &[
     Stop::Car,
     Stop::Drive(15.0, 4.0),
     Stop::Drive(3.0, -4.5),
-    Stop::Drive(-4.0, -6.0),
+    Stop::Drive(-3.0, -6.0),
+    Stop::Wait(1.5),
 ];
 
 pub(crate) struct Pilot {
@@ -91,7 +95,7 @@ impl Pilot {
             }
             Stop::Shoot(at) => {
                 self.look(at - hero - Vec3::Y * 1.6);
-                (Actions { shoot: passed > 0.5, ..idle }, passed > 0.6)
+                (Actions { shoot: passed > 0.3, ..idle }, passed > 0.35)
             }
             Stop::Pull(at, to, seconds) => {
                 self.look(if passed < 0.8 { at } else { to } - hero - Vec3::Y * 1.6);
@@ -123,6 +127,6 @@ impl Pilot {
         let turn = Real::atan2(-ahead.x, -ahead.z) - self.yaw;
         self.yaw += Real::atan2(turn.sin(), turn.cos()) * 0.05;
         self.pitch += (-0.15 - self.pitch) * 0.05;
-        (Actions { ahead: 0.6, right, ..Actions::default() }, local.z < 1.0)
+        (Actions { ahead: 0.8, right, ..Actions::default() }, local.z < 1.0)
     }
 }
