@@ -6,14 +6,13 @@ use tumble_character::CharacterState;
 use tumble_vehicle::{Vehicle, VehicleState};
 
 use crate::game::Game;
-use crate::yard::{Look, YARD};
+use crate::yard::{Look, YARD, YELLOW};
 
 const SUN: Vec3 = Vec3::new(0.42, 0.82, 0.39);
 const SHADOW: mq::Color = mq::Color::new(0.36, 0.42, 0.33, 1.0);
 const SKY: mq::Color = mq::Color::new(0.66, 0.80, 0.92, 1.0);
 const HERO: [f32; 3] = [0.16, 0.62, 0.56];
 const DARK: [f32; 3] = [0.14, 0.16, 0.20];
-pub(crate) const YELLOW: [f32; 3] = [0.95, 0.75, 0.15];
 const HELP: &str = "WASD move, shift run, space jump, C crouch, left click shoot, right click pull, \
                     E car, R restart, T slow, Esc quit";
 
@@ -76,9 +75,10 @@ fn draw_hero(game: &Game, alpha: Real, yaw: Real) {
     if let Some(grip) = game.player.grip {
         let held = game.drawn(grip.body, alpha).transform_point(grip.local);
         let hand = body.transform_point(Vec3::new(0.3, 0.2, -0.2));
-        for offset in [Vec3::ZERO, Vec3::Y * 0.012, Vec3::X * 0.012] {
-            mq::draw_line_3d(screen(hand + offset), screen(held + offset), mq::ORANGE);
-        }
+        let (middle, way) = ((hand + held) * 0.5, held - hand);
+        let along = Quat::from_rotation_arc(Vec3::Y, way.normalize_or(Vec3::Y));
+        let rope = Shape::cylinder(0.02, way.length() * 0.5);
+        draw_shape(&rope, &Pose { position: middle, orientation: along }, YELLOW);
     }
 }
 

@@ -114,7 +114,7 @@ impl Game {
         })
     }
 
-    /// Puts everything back: bodies and contacts from the snapshot, what it does not hold beside it.
+    /// Puts everything back: bodies and contacts by the snapshot, and what it does not hold.
     pub(crate) fn restart(&mut self) -> Result<(), Box<dyn Error>> {
         if self.player.driving {
             self.world.insert(self.yard.hero, self.yard.character.at(Vec3::ZERO))?;

@@ -12,7 +12,7 @@ use super::*;
 use crate::game::{SETTLE, place};
 use crate::hand::Ball;
 use crate::pilot::Stop::{self, Car, Drive, Pull, Run, Shoot, Wait, Walk};
-use crate::yard::{Lift, Look, YARD};
+use crate::yard::{Lift, YARD};
 
 fn hash(game: &Game) -> u64 {
     state_hash(&game.world, &BodyOrder::of(&game.world))
@@ -188,7 +188,7 @@ fn the_car_is_entered_driven_and_left() {
     }
     play_with(&mut game, &[Car, Wait(0.5)], |_| ());
     let (car, out) = (place(&game.world, game.yard.car), hero(&game));
-    assert!(!game.player.driving && car.distance(out) < 3.0 && out.x < 4.0, "{car} {out}");
+    assert!(!game.player.driving && car.distance(out) < 3.0 && out.x.max(out.z) < 7.0, "{car} {out}");
     assert!(game.world.get::<&CharacterState>(game.yard.hero).unwrap().is_grounded());
 }
 
@@ -242,26 +242,27 @@ fn random_keys_break_nothing() {
     for seed in 0..2 {
         let (mut game, mut rng) = (Game::new().unwrap(), Rng::new(seed));
         let mut actions = Actions::default();
-        let mut car = 0;
+        let (start, mut car) = (hash(&game), 0);
         for now in 0..2500 {
             if now % 12 == 0 {
-                let chances = [0.6, 0.2, 0.1, 0.5, 0.5, 0.4, 0.002];
+                let chances = [0.6, 0.2, 0.1, 0.5, 0.5, 0.4, 0.01];
                 let [run, jump, crouch, grab, shoot, use_car, restart] = chances.map(|part| rng.range(0.0, 1.0) < part);
                 let yaw = actions.yaw + rng.range(-0.8, 0.8);
                 let (pitch, ahead, right) = (rng.range(-0.9, 0.5), rng.range(-0.5, 1.5), rng.range(-1.0, 1.0));
                 actions = Actions { ahead, right, yaw, pitch, run, jump, crouch, grab, shoot, use_car, slow: false };
                 if restart {
                     game.restart().unwrap();
+                    assert_eq!(hash(&game), start);
                 }
             }
             step(&mut game, &actions);
             car += u32::from(game.player.driving);
             let at = hero(&game);
             assert!(at.x.abs().max(at.z.abs()) < YARD && (-0.1..30.0).contains(&at.y), "seed {seed}, step {now}: {at}");
-            for (pose, velocity, _) in game.world.query::<(&Pose, &Velocity, &Look)>().iter() {
-                assert!(pose.position.is_finite() && pose.orientation.is_finite(), "seed {seed}, step {now}");
-                assert!(velocity.linear.length() < 100.0, "seed {seed}, step {now}: {velocity:?}");
-                assert!(pose.position.abs().max_element() < 60.0, "seed {seed}, step {now}: {}", pose.position);
+            for (pose, momentum) in game.world.query::<(&Pose, &Momentum)>().iter() {
+                let (at, moves) = (pose.position, momentum.linear.is_finite() && momentum.angular.is_finite());
+                assert!(moves && pose.orientation.is_finite(), "seed {seed}, step {now}");
+                assert!(at.x.abs().max(at.z.abs()) < YARD && at.y > 0.0, "seed {seed}, step {now}: {at}");
             }
         }
         assert!(seed > 0 || car < 2500);

@@ -19,6 +19,7 @@ const WALL: [f32; 3] = [0.80, 0.76, 0.68];
 const STEEL: [f32; 3] = [0.36, 0.40, 0.46];
 const BLUE: [f32; 3] = [0.20, 0.50, 0.80];
 const RED: [f32; 3] = [0.84, 0.26, 0.20];
+pub(crate) const YELLOW: [f32; 3] = [0.95, 0.75, 0.15];
 const WOOD: [[f32; 3]; 2] = [[0.86, 0.62, 0.32], [0.76, 0.50, 0.24]];
 
 // ---- Components.
@@ -127,7 +128,7 @@ impl Builder<'_> {
         self.add(RigidBody::new(shape.clone()).mass(mass).position(at), Look::of(shape, color))
     }
 
-    /// The ground and four half-spaces, which nothing gets over; the walls are what is seen of them.
+    /// The ground, and four half-spaces that nothing gets over; the walls are what is seen.
     fn walls(&mut self) -> Result<(), BodyError> {
         spawn_ground(self.world);
         for out in [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z] {
