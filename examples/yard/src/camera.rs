@@ -19,6 +19,10 @@ pub(crate) struct Camera {
     /// Height of the head, which follows steps smoothly, and how far back it is \[m\].
     height: Option<Real>,
     back: Real,
+    /// What it follows, and how far it is from there yet since that was another \[m\].
+    driving: bool,
+    pivot: Vec3,
+    behind: Vec3,
 }
 
 impl Camera {
@@ -38,8 +42,9 @@ impl Camera {
         let crouches = game.world.get::<&CharacterState>(yard.hero).is_ok_and(|state| state.is_crouching);
         let wanted = body.position.y + if driving { 1.1 } else { head_height(crouches) };
         let near = |rate: Real| 1.0 - (-rate * seconds).exp();
+        let reach = if driving { 6.5 } else { 3.2 };
         if self.height.is_none() {
-            self.back = 3.2;
+            self.back = reach;
         }
         let height = self.height.unwrap_or(wanted);
         let height = height + (wanted - height) * near(16.0);
@@ -53,16 +58,20 @@ impl Camera {
         let queries = game.simulation.queries(&game.world);
         let head = Vec3::new(body.position.x, height, body.position.z);
         let pivot = if driving { head } else { shoulder(&queries, yard, head, self.yaw) };
+        if std::mem::replace(&mut self.driving, driving) != driving {
+            self.behind = self.pivot - pivot;
+        }
+        self.behind -= self.behind * near(8.0);
+        self.pivot = pivot + self.behind;
         let way = direction(self.yaw, self.pitch);
-        let reach = if driving { 6.5 } else { 3.2 };
-        let ray = Ray::new(pivot, -way).with_max_distance(reach + 0.3);
+        let ray = Ray::new(self.pivot, -way).with_max_distance(self.back.max(reach) + 0.3);
         // What moves does not push the camera about.
         let filter = QueryFilter::new().without_dynamic().without_kinematic();
-        let room = queries.cast_ray(&ray, &filter).map_or(reach, |hit| (hit.distance - 0.3).max(0.1));
-        self.back = if room < self.back { room } else { self.back + (room - self.back) * near(6.0) };
+        let room = queries.cast_ray(&ray, &filter).map_or(Real::INFINITY, |hit| (hit.distance - 0.3).max(0.1));
+        self.back = (self.back + (reach - self.back) * near(6.0)).min(room);
         mq::Camera3D {
-            position: screen(pivot - way * self.back),
-            target: screen(pivot + way * 10.0),
+            position: screen(self.pivot - way * self.back),
+            target: screen(self.pivot + way * 10.0),
             up: mq::Vec3::Y,
             fovy: 1.05,
             z_near: 0.1,

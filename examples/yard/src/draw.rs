@@ -14,7 +14,7 @@ const SKY: mq::Color = mq::Color::new(0.66, 0.80, 0.92, 1.0);
 const HERO: [f32; 3] = [0.16, 0.62, 0.56];
 const DARK: [f32; 3] = [0.14, 0.16, 0.20];
 const HELP: &str = "WASD move, shift run, space jump, C crouch, left click shoot, right click pull, \
-                    E car, R restart, T slow, Esc quit";
+                    E car, R restart, T slow, Tab mouse, Esc quit";
 
 /// Points and normals, and which three make a triangle.
 type Surface = (Vec<(Vec3, Vec3)>, Vec<u16>);
@@ -29,9 +29,8 @@ pub(crate) fn draw_world(game: &Game, alpha: Real, camera: &mq::Camera3D, yaw: R
     mq::clear_background(SKY);
     mq::set_camera(camera);
     draw_ground();
-    let mut bodies =
-        game.world.query::<(&Pose, Option<&PreviousPose>, Option<&CenterOfMass>, Option<&CharacterState>, &Look)>();
-    for (pose, previous, center, _, look) in bodies.iter() {
+    let mut bodies = game.world.query::<(&Pose, Option<&PreviousPose>, Option<&CenterOfMass>, &Look)>();
+    for (pose, previous, center, look) in bodies.iter() {
         let between = previous.map_or(*pose, |it| it.0.interpolate(pose, alpha));
         let origin = Pose { position: between.origin(center), ..between };
         look.0.iter().for_each(|piece| draw_shape(&piece.shape, &(origin * piece.pose), piece.color));
