@@ -124,7 +124,7 @@ struct Rule {
 }
 
 /// The workspace from the bottom up. The engine and those above it add a mathematics crate.
-const RULES: [Rule; 16] = [
+const RULES: [Rule; 17] = [
     Rule { member: "crates/tumble-math", members: &[], outside: Some(&["glam", "libm", "serde", "thiserror"]) },
     Rule { member: "crates/tumble-collide", members: &["tumble-math"], outside: Some(&["thiserror"]) },
     Rule {
@@ -155,6 +155,7 @@ const RULES: [Rule; 16] = [
     },
     Rule { member: "examples/docking", members: &["tumble"], outside: Some(&["hecs", "macroquad"]) },
     Rule { member: "examples/turret", members: &["tumble"], outside: Some(&["hecs", "macroquad"]) },
+    Rule { member: "examples/yard", members: &["tumble", "tumble-character", "tumble-vehicle"], outside: None },
     Rule {
         member: "tests",
         members: &[
@@ -180,8 +181,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
 }
 
-/// All files of the workspace with one of the endings, but for what is built or hidden, as paths
-/// from the root.
+/// All files of the workspace with one of the endings, but for what is built or hidden.
 fn files(endings: &[&str]) -> Vec<PathBuf> {
     fn visit(directory: &Path, endings: &[&str], found: &mut Vec<PathBuf>) {
         for entry in std::fs::read_dir(directory).unwrap() {

@@ -108,7 +108,8 @@ fn imports_of_the_root(text: &str) -> Vec<&str> {
 fn documents_and_examples_import_the_prelude_and_modules() {
     let pages = std::fs::read_dir(root().join("docs")).unwrap().map(|entry| entry.unwrap().path());
     let pages = pages.filter(|path| path.extension().is_some_and(|ending| ending == "md"));
-    let programs = ["docking", "first-window", "turret"].map(|name| sources(&root().join("examples").join(name)));
+    let programs = ["docking", "first-window", "turret", "yard"];
+    let programs = programs.map(|name| sources(&root().join("examples").join(name)));
     for path in pages.chain(programs.into_iter().flatten()).chain([root().join("README.md")]) {
         let text = std::fs::read_to_string(&path).unwrap();
         assert_eq!(imports_of_the_root(&text), Vec::<&str>::new(), "{}", path.display());
