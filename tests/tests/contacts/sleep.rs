@@ -11,6 +11,8 @@ use tumble::{BodyOrder, Work};
 use tumble_tests::touching::{collider, spawn, surfaced};
 use tumble_tests::{Draw, cases, dvec3, quat, real, run, vec3};
 
+use crate::sleep_changes::column;
+
 pub(crate) fn sleeping() -> Settings {
     Settings::default().with_sleep(Sleep::default())
 }
@@ -19,7 +21,7 @@ pub(crate) fn asleep(simulation: &Simulation) -> usize {
     simulation.sleeping_bodies().count()
 }
 
-fn position(world: &World, body: Entity) -> Vec3 {
+pub(crate) fn position(world: &World, body: Entity) -> Vec3 {
     world.get::<&Pose>(body).unwrap().position
 }
 
@@ -116,77 +118,6 @@ fn waking_makes_no_energy() {
             // Settling of contacts that begin again, in weights by lengths.
             assert!(now - last < 2e-4 * scale * 9.81 * size, "case {case}: {:e}", (now - last) / (scale * 9.81 * size));
             last = now;
-        }
-    }
-}
-
-/// A column of three that sleeps and one block apart, of a size \[m\].
-struct Column {
-    world: World,
-    simulation: Simulation,
-    floor: Entity,
-    blocks: Vec<Entity>,
-    apart: Entity,
-    size: Real,
-}
-
-fn column(size: Real) -> Column {
-    let mut world = World::new();
-    let floor = spawn_ground(&mut world);
-    let half = f64::from(size) * 0.5;
-    let block = RigidBody::new(Shape::cuboid([half; 3])).density(500.0);
-    let at = |x: Real, level: Real| Vec3::new(x, 0.5 + level, 0.0) * size;
-    let mut put = |place: Vec3| block.clone().position(place).build().unwrap().spawn(&mut world);
-    let blocks = (0..3_u8).map(|level| put(at(0.0, Real::from(level)))).collect();
-    let apart = put(at(10.0, 0.0));
-    let mut simulation = Simulation::new(sleeping()).unwrap();
-    simulation.step_many(&mut world, 90);
-    assert_eq!(asleep(&simulation), 4, "{size} m");
-    Column { world, simulation, floor, blocks, apart, size }
-}
-
-/// What is done between two steps, and how many of the four sleep after the next.
-type Change = (&'static str, usize, fn(&mut Column));
-
-const CHANGES: [Change; 15] = [
-    ("nothing", 4, |_| ()),
-    ("a momentum", 1, |it| {
-        let mass = it.world.get::<&Mass>(it.blocks[1]).unwrap().kilograms();
-        it.world.get::<&mut Momentum>(it.blocks[1]).unwrap().apply_impulse(Vec3::X * mass * 0.1);
-    }),
-    ("a force", 1, |it| it.world.get::<&mut Wrench>(it.blocks[2]).unwrap().add_force(Vec3::Y)),
-    ("another place", 1, |it| it.world.get::<&mut Pose>(it.blocks[0]).unwrap().position.x += it.size * 0.01),
-    ("another mass", 1, |it| *it.world.get::<&mut Mass>(it.blocks[0]).unwrap() = Mass::new(1.0).unwrap()),
-    ("another scale of gravity", 1, |it| it.world.insert_one(it.blocks[2], GravityScale(-1.0)).unwrap()),
-    ("a force component", 1, |it| it.world.insert_one(it.blocks[2], ConstantWrench::default()).unwrap()),
-    ("another collider", 1, |it| {
-        let ball = collider(&Shape::sphere(f64::from(it.size) * 0.4));
-        it.world.insert_one(it.blocks[0], ball).unwrap();
-    }),
-    ("no floor", 0, |it| it.world.despawn(it.floor).unwrap()),
-    ("the floor elsewhere", 0, |it| it.world.get::<&mut Pose>(it.floor).unwrap().position.y -= it.size),
-    ("without the lowest", 1, |it| it.world.despawn(it.blocks[0]).unwrap()),
-    ("without a collider", 1, |it| drop(it.world.remove_one::<Collider>(it.blocks[0]).unwrap())),
-    ("another gravity", 0, |it| {
-        let settings = it.simulation.settings().with_gravity(Vec3::Y);
-        it.simulation.set_settings(settings).unwrap();
-    }),
-    ("a joint", 0, |it| {
-        let joint = Joint::fixed(it.blocks[2], it.apart).at_point(&it.world, Vec3::ZERO).unwrap();
-        it.world.spawn((joint,));
-    }),
-    ("wake", 1, |it| it.simulation.wake(it.blocks[1])),
-];
-
-/// Between steps anything may change, and nobody has to say so.
-#[test]
-fn what_changes_wakes_its_island_and_no_other() {
-    for (name, expected, change) in CHANGES {
-        for size in [0.02, 0.5, 20.0] {
-            let mut it = column(size);
-            change(&mut it);
-            it.simulation.step(&mut it.world);
-            assert_eq!(asleep(&it.simulation), expected, "{name}, {size} m");
         }
     }
 }

@@ -86,6 +86,24 @@ impl ContactCache {
         self.substeps = 1;
     }
 
+    /// Has the contacts of bodies that woke in a later substep among those of before the step too, and
+    /// without what they did in it.
+    pub(crate) fn remember_woken(&mut self, woken: &[Slot]) {
+        if self.is_first_substep() {
+            return;
+        }
+        let Self { last, before_step, .. } = self;
+        let woke = |contact: &&mut ContactRecord| contact.slots.iter().any(|slot| woken.contains(slot));
+        let known = before_step.len();
+        for contact in last.iter_mut().filter(woke) {
+            if before_step[..known].binary_search_by_key(&contact.key(), ContactRecord::key).is_err() {
+                before_step.push(contact.clone());
+                (contact.total_impulse, contact.earlier_impulse) = (0.0, 0.0);
+            }
+        }
+        before_step.sort_by_key(ContactRecord::key);
+    }
+
     /// Takes the contacts of before the substep, and gives back a list to overwrite.
     pub(crate) fn keep_previous(&mut self, contacts: &mut Vec<ContactRecord>) {
         if self.substeps == 1 {
@@ -127,6 +145,8 @@ impl CollisionPipeline {
         self.cache.forget();
         self.sensors.forget();
         self.sleepers.forget();
+        // It is not known whose they are.
+        self.colliders.list.clear();
     }
 
     /// Copies what decides the next step, with the loads of joints by slot.
@@ -180,6 +200,7 @@ impl CollisionPipeline {
         *joint_marks = JointMarks::default();
         *are_states_known = false;
         body_keys.set(&saved.body_keys, world);
+        sleepers.take_baseline(|slot| world.entity(body_keys.entity(slot)).ok());
         records.extend_from_slice(&saved.contacts);
         records.retain(|contact| contact.slots.iter().all(|slot| body_keys.is_here(*slot)));
         collider_states.states.clear();

@@ -109,9 +109,10 @@ impl Colliders {
 
     /// Reads the colliders of a world, and adds the slots of those that are others than they were.
     /// Returns whether pairs are filtered as before.
-    fn update(&mut self, world: &World, body_index: &BodyIndex, changed: &mut Vec<Slot>) -> bool {
+    fn update(&mut self, world: &World, body_index: &BodyIndex, same_slots: bool, changed: &mut Vec<Slot>) -> bool {
         let Self { list, groups, sensors, materials, are_changed } = self;
-        let mut is_same = list.len() == body_index.len();
+        // Groups and materials are by slot too.
+        let mut is_same = same_slots && list.len() == body_index.len();
         list.resize(body_index.len(), None);
         body_index.for_each_archetype(world, |archetype, places| {
             let column = archetype.get::<&Collider>();
@@ -195,7 +196,7 @@ impl CollisionPipeline {
             sleepers.renumber(now, body_index.len());
         }
         sleepers.disturbed.append(&mut cache.bereaved);
-        let same_groups = colliders.update(world, body_index, &mut sleepers.disturbed);
+        let same_groups = colliders.update(world, body_index, same_slots, &mut sleepers.changed);
         cache.arrange(&mut contacts.records, colliders);
         if !same_slots || colliders.are_changed {
             cache.arrange(&mut sleepers.contacts, colliders);

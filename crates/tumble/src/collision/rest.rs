@@ -6,12 +6,14 @@ use crate::collision::collider::Collider;
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_ways::length;
 use crate::collision::pipeline::CollisionPipeline;
-use crate::collision::sleep::{Rest, Sleepers, moves};
+use crate::collision::sleep::{Links, Rest, Sleepers, moves};
 use crate::collision::traveller::energy;
 use crate::components::{Momentum, Velocity, Wrench};
 use crate::forces::registry::ForceLaws;
 use crate::integrators::derived::derived;
+use crate::joints::axis_lock::LockedSlot;
 use crate::joints::joint_list::JointList;
+use crate::joints::joint_marks::JointMarks;
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::settings::{Settings, Sleep};
 use crate::storage::body_index::Slot;
@@ -31,33 +33,36 @@ impl CollisionPipeline {
         let Some(sleep) = settings.sleep else {
             if !self.sleepers.rests.is_empty() {
                 self.sleepers.end(&mut self.contacts.records);
+                self.joint_marks = JointMarks::default();
             }
+            self.sleepers.disturbed.clear();
+            self.sleepers.changed.clear();
             return;
         };
         // What was laid into the air is still when its first step begins, and not after that.
         let sleep = Sleep { time: sleep.time.max(2.0 * settings.dt), ..sleep };
         self.sleepers.rests.resize(self.body_index.len(), Rest::UNKNOWN);
-        if !self.sleepers.are_on() {
-            self.joint_marks.begin(joints);
-        }
+        self.notice_joints(joints);
+        let knows_all = self.sleepers.are_on() && !std::mem::take(&mut self.sleepers.are_restored);
         if self.sleepers.settings.replace(*settings).is_some_and(|before| before != *settings) {
             let all: Vec<Slot> = self.body_index.all().filter(|slot| self.sleepers.is_asleep(*slot)).collect();
             self.sleepers.disturbed.extend(all);
         }
-        self.find_movers(columns);
+        self.find_movers(columns, knows_all);
         self.compare_dynamic(columns, (settings, laws), &sleep, is_pulled);
         // After a restore all are with the others.
         self.take_contacts();
-        self.disturb_by_contacts((settings.dt / sleep.time).min(1.0));
-        let Self { sleepers, contacts, .. } = self;
         let links = joints.links();
+        self.disturb_by_contacts((settings.dt / sleep.time).min(1.0), &links);
+        let Self { sleepers, contacts, .. } = self;
         let mut disturbed = std::mem::take(&mut sleepers.disturbed);
         for slot in sleepers.wake(&disturbed, &links, &mut contacts.records) {
             sleepers.awake.is_dynamic[slot.index()] = true;
         }
         disturbed.clear();
         sleepers.disturbed = disturbed;
-        sleepers.find_tired(&contacts.records, &links, &sleep);
+        let has_gravity = settings.gravity != WorldVec3::ZERO;
+        sleepers.find_tired(&contacts.records, &links, (&sleep, has_gravity));
         let tired = std::mem::take(&mut sleepers.tired);
         tired.iter().for_each(|slot| self.put_to_sleep(*slot, columns));
         self.sleepers.tired = tired;
@@ -72,27 +77,57 @@ impl CollisionPipeline {
     }
 
     /// Disturbs what has joints that are not as they were.
-    pub(crate) fn notice_joints(&mut self, joints: &JointList) {
+    fn notice_joints(&mut self, joints: &JointList) {
         let Self { sleepers, joint_marks, body_index, .. } = self;
-        if sleepers.are_on() || sleepers.count() > 0 {
-            joint_marks.update(joints, |body| sleepers.disturbed.extend(body_index.slot(body.id())));
+        joint_marks.update(joints, |body| sleepers.disturbed.extend(body_index.slot(body.id())));
+    }
+
+    /// Disturbs bodies that are locked otherwise than in the last step.
+    pub(crate) fn notice_locks(&mut self, locked: &[LockedSlot]) {
+        let Self { sleepers, body_index, .. } = self;
+        let now = || locked.iter().map(|it| (body_index.key(it.slot).2, it.lock.0));
+        if now().eq(sleepers.locks.iter().copied()) {
+            return;
+        }
+        if sleepers.are_on() && !sleepers.are_restored {
+            let entities = now().chain(sleepers.locks.iter().copied()).map(|(entity, _)| entity);
+            sleepers.disturbed.extend(entities.filter_map(|entity| body_index.slot(entity)));
+        }
+        sleepers.locks.clear();
+        sleepers.locks.extend(now());
+    }
+
+    /// Disturbs bodies that are to touch from now on, or no longer.
+    pub(crate) fn notice_pairs(&mut self, joints: &JointList) {
+        if self.sleepers.are_on() && !self.sleepers.are_restored {
+            self.sleepers.disturbed.extend(joints.changed_pairs().flatten());
         }
     }
 
-    /// Finds the bodies that are not dynamic and move, or were moved since the last step.
-    fn find_movers(&mut self, columns: &WorldColumns<'_>) {
+    /// Finds the bodies that are not dynamic and move, or were moved or changed since the last step;
+    /// `knows_all` says whether those that are not known are new.
+    fn find_movers(&mut self, columns: &WorldColumns<'_>, knows_all: bool) {
         let Self { sleepers, body_index, .. } = self;
         sleepers.movers.clear();
+        sleepers.changed.sort_unstable();
         for (archetype, bodies) in columns.pose_views().filter(|(_, bodies)| bodies.dynamic.is_none()) {
             for (row, slot) in body_index.slots_in(archetype).iter().enumerate() {
                 let pose = Some(bodies.pose[row]);
-                let before = std::mem::replace(&mut sleepers.rests[slot.index()].pose, pose);
-                if (before.is_some() && before != pose) || moves(bodies.velocity.map(|column| &column[row])) {
+                let rest = &mut sleepers.rests[slot.index()];
+                let before = std::mem::replace(rest, Rest { pose, ..Rest::UNKNOWN });
+                let is_known = before.pose.is_some() && !before.is_dynamic;
+                let is_other = if is_known { before.pose != pose } else { knows_all };
+                let is_changed = is_other || sleepers.changed.binary_search(slot).is_ok();
+                if is_changed || moves(bodies.velocity.map(|column| &column[row])) {
                     sleepers.movers.push(*slot);
+                }
+                if sleepers.is_asleep(*slot) {
+                    sleepers.disturbed.push(*slot);
                 }
             }
         }
-        sleepers.movers.sort_unstable();
+        let Sleepers { disturbed, changed, .. } = sleepers;
+        disturbed.append(changed);
     }
 
     /// Compares sleeping bodies with what they were, and finds out for how long others are still.
@@ -112,13 +147,18 @@ impl CollisionPipeline {
                 let rest = &mut sleepers.rests[slot.index()];
                 let is_pulled = !laws.is_empty() || is_pulled(body_index.key(*slot).2);
                 if is_asleep {
-                    if rest.pose.is_none() {
-                        *rest = Rest::of(&chunk, row, colliders.get(*slot), sleep);
+                    if rest.pose.is_none() || rest.least_speed == 0.0 {
+                        let now = Rest::of(&chunk, row, colliders.get(*slot), sleep);
+                        let (pose, weight) = rest.pose.map_or((now.pose, now.weight), |it| (Some(it), rest.weight));
+                        *rest = Rest { pose, weight, ..now };
                     }
                     if is_pulled || rest.differs(&chunk, row) || is_pushed(&chunk, row) {
                         disturbed.push(*slot);
                     }
                     continue;
+                }
+                if rest.pose.is_some() && !rest.is_dynamic {
+                    sleepers.movers.push(*slot);
                 }
                 *rest = Rest { still: rest.still, ..Rest::of(&chunk, row, colliders.get(*slot), sleep) };
                 let is_free = !is_pulled && chunk.wrench[row] == Wrench::default();
@@ -129,18 +169,23 @@ impl CollisionPipeline {
             }
         });
         (sleepers.awake, sleepers.disturbed) = (awake, disturbed);
+        sleepers.movers.sort_unstable();
     }
 
     /// Keeps awake what touches something that moves by itself, and disturbs what sleeps and lost
     /// its support or carries a load that it did not fall asleep under.
     /// A step is this `share` of the time that bodies have to be still for.
-    fn disturb_by_contacts(&mut self, share: Real) {
+    fn disturb_by_contacts(&mut self, share: Real, links: Links<'_>) {
         let Self { sleepers, contacts, colliders, .. } = self;
         let Sleepers { movers, contacts: of_sleepers, disturbed, rests, asleep, .. } = sleepers;
         let is_mover = |slot: &Slot| movers.binary_search(slot).is_ok();
         if !movers.is_empty() {
             let with_mover = of_sleepers.iter().filter(|contact| contact.slots.iter().any(is_mover));
             disturbed.extend(with_mover.flat_map(|contact| contact.slots));
+            for slot in links.iter().filter(|link| link.iter().any(is_mover)).flatten() {
+                rests[slot.index()].still = 0.0;
+                disturbed.push(*slot);
+            }
         }
         let conveys = |contact: &ContactRecord| {
             let surfaces = || colliders.materials.surface_velocities(contact.slots, contact.part);
@@ -192,13 +237,16 @@ impl CollisionPipeline {
         if struck.is_empty() {
             return struck;
         }
-        sleepers.wake(&struck, &joints.links(), &mut cache.last)
+        let woken = sleepers.wake(&struck, &joints.links(), &mut cache.last);
+        cache.remember_woken(&woken);
+        woken
     }
 
     /// Adds the sleeping bodies that are near something that moves by itself.
     fn disturb_near_movers(&self, struck: &mut Vec<Slot>) {
         let Self { sleepers, broad_phase, collider_states, colliders, .. } = self;
-        for mover in &sleepers.movers {
+        let is_solid = |slot: &&Slot| colliders.get(**slot).is_some_and(|(it, _)| !it.is_sensor());
+        for mover in sleepers.movers.iter().filter(is_solid) {
             let touch = |slot: &Slot| colliders.groups[slot.index()].touch(colliders.groups[mover.index()]);
             let mut show = |slot: Slot| {
                 if sleepers.is_asleep(slot) && touch(&slot) {
@@ -219,7 +267,7 @@ impl Rest {
         let least_speed = sleep.speed_of(radius_of(chunk, row, collider));
         let least_momentum = chunk.mass[row].kilograms() * least_speed;
         let weight = weight_of(chunk, row);
-        Self { pose: Some(chunk.pose[row]), weight, least_momentum, least_speed, still: 0.0 }
+        Self { pose: Some(chunk.pose[row]), weight, least_momentum, least_speed, still: 0.0, is_dynamic: true }
     }
 
     /// Whether a sleeping body is not what it was.

@@ -5,10 +5,13 @@
 //! called where it is changed. What comes near a sleeping body fast wakes it within the step,
 //! before contacts are solved.
 
+use hecs::EntityRef;
+
 use crate::collision::collider_state::ColliderState;
 use crate::collision::contact::ContactRecord;
 use crate::collision::islands::Islands;
-use crate::components::{Pose, Velocity};
+use crate::components::{GravityScale, Mass, Momentum, Pose, Velocity};
+use crate::joints::axes::Axes;
 use crate::math::Real;
 use crate::settings::{Settings, Sleep};
 use crate::storage::body_index::Slot;
@@ -27,7 +30,14 @@ pub(crate) struct Sleepers {
     pub(crate) settings: Option<Settings>,
     /// To be woken when the next step begins.
     pub(crate) disturbed: Vec<Slot>,
-    /// Non-dynamic bodies that move by themselves, or were moved since the last step.
+    /// Bodies of which the collider is another than in the last step.
+    pub(crate) changed: Vec<Slot>,
+    /// Whether bodies were put back since the last step.
+    pub(crate) are_restored: bool,
+    /// By number of the entity, the locked axes of bodies in the last step.
+    pub(crate) locks: Vec<(u32, Axes)>,
+    /// Bodies that move by themselves or were moved since the last step, and what was changed of
+    /// them or is new; of dynamic ones those that were not.
     pub(crate) movers: Vec<Slot>,
     islands: Islands,
     /// Memory that every step overwrites.
@@ -66,11 +76,12 @@ pub(crate) struct Rest {
     pub(crate) least_speed: Real,
     /// For how long it has been still \[s\].
     pub(crate) still: Real,
+    pub(crate) is_dynamic: bool,
 }
 
 impl Rest {
     pub(crate) const UNKNOWN: Self =
-        Self { pose: None, weight: 0.0, least_momentum: 0.0, least_speed: 0.0, still: 0.0 };
+        Self { pose: None, weight: 0.0, least_momentum: 0.0, least_speed: 0.0, still: 0.0, is_dynamic: false };
 }
 
 /// In the place of the time for which a body has been still, if it sleeps.
@@ -116,6 +127,7 @@ impl Sleepers {
             self.recount();
         }
         self.disturbed = self.disturbed.iter().filter_map(to).collect();
+        self.changed.clear();
     }
 
     /// Puts back who slept, and for how long others have been still: by slot, [`ASLEEP`] of those.
@@ -124,9 +136,21 @@ impl Sleepers {
         if still.iter().all(|still| *still == 0.0) {
             return;
         }
+        self.are_restored = true;
         self.rests.extend(still.iter().map(|still| Rest { still: still.max(0.0), ..Rest::UNKNOWN }));
         self.asleep.extend(still.iter().map(|still| *still == ASLEEP));
         self.recount();
+    }
+
+    /// Takes bodies that were put back for as they are in the world now.
+    pub(crate) fn take_baseline<'a>(&mut self, body: impl Fn(Slot) -> Option<EntityRef<'a>>) {
+        for (slot, rest) in (0..).map(Slot).zip(&mut self.rests) {
+            let Some(body) = body(slot) else { continue };
+            let scale = body.get::<&GravityScale>().map_or(1.0, |scale| scale.0);
+            rest.pose = body.get::<&Pose>().map(|pose| *pose);
+            rest.weight = body.get::<&Mass>().map_or(0.0, |mass| mass.kilograms() * scale);
+            rest.is_dynamic = body.has::<Momentum>();
+        }
     }
 
     /// For how long a body has been still \[s\], or [`ASLEEP`].
@@ -154,7 +178,10 @@ impl Sleepers {
         self.count = 0;
         self.contacts.clear();
         self.settings = None;
+        self.are_restored = false;
         self.disturbed.clear();
+        self.changed.clear();
+        self.locks.clear();
     }
 
     /// Puts a body to sleep, or back to sleep after it was restored.
@@ -229,8 +256,13 @@ impl Sleepers {
     }
 
     /// Lists the bodies of islands of which all have been still for long enough, and that something
-    /// holds or that do not move, in order.
-    pub(crate) fn find_tired(&mut self, contacts: &[ContactRecord], links: Links<'_>, sleep: &Sleep) {
+    /// holds or that neither move nor would fall, in order.
+    pub(crate) fn find_tired(
+        &mut self,
+        contacts: &[ContactRecord],
+        links: Links<'_>,
+        (sleep, has_gravity): (&Sleep, bool),
+    ) {
         let Self { islands, rests, awake, stays_awake, is_held, tired, .. } = self;
         let is_awake = |slot: Slot| awake.is_dynamic[slot.index()];
         let pairs = contacts.iter().map(|contact| contact.slots).chain(links.iter().copied());
@@ -250,7 +282,8 @@ impl Sleepers {
         let all = || (0..rests.len() as u32).map(Slot).filter(|slot| is_awake(*slot));
         for slot in all() {
             let root = islands.root(slot).index();
-            let drifts = awake.moves[slot.index()] && !is_held[root];
+            let may_fall = has_gravity && rests[slot.index()].weight != 0.0;
+            let drifts = (awake.moves[slot.index()] || may_fall) && !is_held[root];
             stays_awake[root] |= rests[slot.index()].still < sleep.time || drifts;
         }
         tired.clear();

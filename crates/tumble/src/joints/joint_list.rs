@@ -222,6 +222,16 @@ impl JointList {
         same
     }
 
+    /// The pairs of bodies that are kept apart in this step and were not in the last, or the other way
+    /// round.
+    pub(crate) fn changed_pairs(&self) -> impl Iterator<Item = [Slot; 2]> + '_ {
+        let Self { untouching: now, untouching_before: before, .. } = self;
+        let others = |of: &'_ Vec<[Slot; 2]>, known: &'_ Vec<[Slot; 2]>| {
+            of.iter().copied().filter(|pair| known.binary_search(pair).is_err()).collect::<Vec<_>>()
+        };
+        others(now, before).into_iter().chain(others(before, now))
+    }
+
     /// Limits, drives and friction of a joint, if it has any.
     pub(crate) fn options(&self, joint: &ListedJoint) -> Option<&JointOptions> {
         joint.options.map(|number| &self.options[number as usize])

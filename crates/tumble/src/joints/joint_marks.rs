@@ -18,13 +18,6 @@ pub(crate) struct JointMarks {
 }
 
 impl JointMarks {
-    /// Takes note of the joints as they are, unless it is known how they were.
-    pub(crate) fn begin(&mut self, list: &JointList) {
-        if !self.are_known {
-            self.update(list, |_| ());
-        }
-    }
-
     /// Takes note of the joints as they are, and calls `changed` with the bodies of each that is
     /// not as it was, is there for the first time or no longer.
     pub(crate) fn update(&mut self, list: &JointList, mut changed: impl FnMut(Entity)) {

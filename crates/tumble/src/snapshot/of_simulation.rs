@@ -82,8 +82,11 @@ impl Simulation {
             self.set_clock(clock);
         }
         if !snapshot.contacts.is_empty() {
+            let settings = *self.settings();
             let Interactions { collision, mechanisms, .. } = &mut **self.interactions.get_or_insert_default();
-            collision.get_or_insert_default().put_back(&snapshot.contacts, world);
+            let collision = collision.get_or_insert_default();
+            collision.put_back(&snapshot.contacts, world);
+            collision.sleepers.settings = collision.sleepers.are_restored.then_some(settings);
             mechanisms.loads.clone_from(&snapshot.contacts.loads);
         } else if self.interactions.is_some() || collision::are_in(world) {
             let Interactions { collision, mechanisms, .. } = &mut **self.interactions.get_or_insert_default();

@@ -64,14 +64,18 @@ impl Interactions {
             let collision = collision.get_or_insert_default();
             collision.hook.clone_from(contact_hook);
             joint_ends.find(world);
-            if !collision.update(world, joint_ends) {
+            let same_slots = collision.update(world, joint_ends);
+            if !same_slots {
                 mechanisms.renumber(collision.cache.body_keys.renumbered(), collision.body_index.len());
             }
             let same_pairs = mechanisms.list.find(world, &collision.body_index);
-            collision.notice_joints(&mechanisms.list);
             find_locked(world, &collision.body_index, &mechanisms.list, &mut constrained.locked);
+            collision.notice_locks(&constrained.locked);
             if !same_pairs {
                 collision.broad_phase.reset();
+                if same_slots {
+                    collision.notice_pairs(&mechanisms.list);
+                }
             }
         } else {
             self.collision = None;
