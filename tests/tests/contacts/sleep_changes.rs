@@ -1,5 +1,5 @@
-//! Promise: whatever changes of sleeping bodies, of what holds them and of what joins them wakes their
-//! island, and no other; nobody has to say that it changed.
+//! Promise: whatever changes of sleeping bodies, of what holds them and of what joins them wakes
+//! their island, and no other; nobody has to say that it changed.
 //!
 //! Why: a body that sleeps on in the air after its support is gone is what users of engines with
 //! sleep meet first.

@@ -86,8 +86,8 @@ impl ContactCache {
         self.substeps = 1;
     }
 
-    /// Has the contacts of bodies that woke in a later substep among those of before the step too, and
-    /// without what they did in it.
+    /// Has the contacts of bodies that woke in a later substep among those of before the step too,
+    /// and without impulses of this step.
     pub(crate) fn remember_woken(&mut self, woken: &[Slot]) {
         if self.is_first_substep() {
             return;

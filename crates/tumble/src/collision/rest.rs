@@ -104,8 +104,8 @@ impl CollisionPipeline {
         }
     }
 
-    /// Finds the bodies that are not dynamic and move, or were moved or changed since the last step;
-    /// `knows_all` says whether those that are not known are new.
+    /// Finds the bodies that are not dynamic and move, or were moved or changed since the last
+    /// step; `knows_all` says whether those that are not known are new.
     fn find_movers(&mut self, columns: &WorldColumns<'_>, knows_all: bool) {
         let Self { sleepers, body_index, .. } = self;
         sleepers.movers.clear();

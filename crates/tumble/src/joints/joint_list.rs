@@ -222,8 +222,8 @@ impl JointList {
         same
     }
 
-    /// The pairs of bodies that are kept apart in this step and were not in the last, or the other way
-    /// round.
+    /// The pairs of bodies that are kept apart in this step and were not in the last, or the
+    /// other way round.
     pub(crate) fn changed_pairs(&self) -> impl Iterator<Item = [Slot; 2]> + '_ {
         let Self { untouching: now, untouching_before: before, .. } = self;
         let others = |of: &'_ Vec<[Slot; 2]>, known: &'_ Vec<[Slot; 2]>| {
