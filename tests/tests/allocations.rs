@@ -112,7 +112,7 @@ fn count_steps(session: &Session) {
         for (name, scene) in scenes {
             for integrator in Integrator::ALL {
                 let mut world = scene();
-                let sleep = (name == "asleep").then_some(Sleep { time: 0.01, ..Sleep::default() });
+                let sleep = (name == "asleep").then_some(tumble::Sleep { time: 0.01, ..Default::default() });
                 let settings = Settings::default().with_integrator(integrator).with_sleep(sleep);
                 let mut simulation = Simulation::new(settings).unwrap();
                 simulation.add_law::<Brake>();
