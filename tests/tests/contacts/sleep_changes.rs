@@ -69,7 +69,7 @@ const CHANGES: [Change; 24] = [
     ("wake", 1, |it| it.simulation.wake(it.blocks[1])),
     ("a floor that is a sensor", 0, |it| it.world.insert_one(it.floor, Collider::half_space().sensor()).unwrap()),
     ("a floor of other groups", 0, |it| {
-        it.world.insert_one(it.floor, Collider::half_space().with_groups(0, 0)).unwrap()
+        it.world.insert_one(it.floor, Collider::half_space().with_groups(0, 0)).unwrap();
     }),
     ("a floor with another middle", 0, |it| it.world.insert_one(it.floor, CenterOfMass(Vec3::Y * it.size)).unwrap()),
     ("a belt", 0, |it| {
@@ -125,7 +125,7 @@ fn what_hangs_wakes_with_its_anchor() {
     let acts: [Act; 5] = [
         ("elsewhere", |world, [anchor, ..]| world.get::<&mut Pose>(anchor).unwrap().position.x += 0.5),
         ("moves", |world, [anchor, ..]| {
-            world.insert_one(anchor, Velocity { linear: Vec3::X, angular: Vec3::ZERO }).unwrap()
+            world.insert_one(anchor, Velocity { linear: Vec3::X, angular: Vec3::ZERO }).unwrap();
         }),
         ("gone", |world, [anchor, ..]| world.despawn(anchor).unwrap()),
         ("no joint", |world, [_, _, joint]| world.despawn(joint).unwrap()),
