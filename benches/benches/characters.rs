@@ -81,7 +81,8 @@ fn time_steps(world: &mut World, simulation: &mut Simulation, count: u64, walks:
 
 fn crowds(c: &mut Criterion) {
     let mut group = c.benchmark_group("characters");
-    let scenes: [(&str, fn(&mut World), bool); 3] =
+    type Scene = (&'static str, fn(&mut World), bool);
+    let scenes: [Scene; 3] =
         [("hills", spawn_hills, true), ("standing", spawn_hills, false), ("tiles", spawn_tiles, true)];
     for (name, spawn, walks) in scenes {
         for pool in pools() {
