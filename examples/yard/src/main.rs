@@ -8,6 +8,15 @@
 //!
 //! `cargo run --release -p yard`; the keys are on the screen.
 
+#![cfg_attr(
+    feature = "f64",
+    allow(
+        clippy::unnecessary_cast,
+        clippy::useless_conversion,
+        reason = "Real is f64 in this build, f32 in the other"
+    )
+)]
+
 mod camera;
 mod draw;
 mod driver;
