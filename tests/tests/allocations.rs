@@ -123,7 +123,7 @@ fn count_steps(session: &Session) {
                 }
                 let counted = session.operation(format!("{name}, {integrator}, {threads} threads"));
                 pool.install(|| {
-                    simulation.step_many(&mut world, if sleep.is_some() { 5 } else { 1 });
+                    simulation.step_many(&mut world, if sleep.is_some() { 120 } else { 1 });
                     assert_eq!(simulation.sleeping_bodies().count() > 0, sleep.is_some());
                     let _counting = counted.measure_process();
                     for _ in 0..10 {
