@@ -145,7 +145,7 @@ impl WheelStep {
     }
 
     /// Finds out how fast the wheel goes at the start of the step. Its end is not known as well: a
-    /// force that nobody told of would have a wheel at rest roll on.
+    /// force that is not in the wrench would have a wheel at rest roll on.
     pub(crate) fn begin(&mut self, motion: &Motion, gravity: f64) {
         let Some(footing) = &self.footing else { return };
         let [along, across] = footing.tangents.map(|row| row.speed(motion));

@@ -40,7 +40,8 @@ pub struct Settings {
 /// Bodies that hang together by contacts or joints fall asleep at once, when all of them have been
 /// still for `time`. A body is still while none of its points is faster than `speed`, nor than a
 /// fifth of its radius a second, and nothing that moves by itself touches it. Bodies under force
-/// laws, springs or mutual gravity do not sleep, nor those that nothing holds and that move.
+/// laws, springs or mutual gravity do not sleep, nor those that nothing holds and that move or
+/// would fall.
 ///
 /// ```
 /// use tumble::{Sleep, prelude::*};

@@ -368,6 +368,18 @@ fn nothing_sleeps_that_would_move() {
     }
 }
 
+/// A body without collider and joint is known by its entity.
+#[test]
+fn what_is_locked_alone_sleeps_by_its_name() {
+    let mut world = World::new();
+    let body = RigidBody::new(Shape::sphere(0.5)).without_collider().mass(1.0).gravity_scale(0.0).build().unwrap();
+    let body = body.spawn_with(&mut world, (LockedAxes(Axes::LINEAR),));
+    let mut simulation = Simulation::new(sleeping()).unwrap();
+    simulation.step_many(&mut world, 60);
+    assert!(simulation.is_asleep(body));
+    assert_eq!(simulation.sleeping_bodies().collect::<Vec<_>>(), [body]);
+}
+
 /// What is let go at rest falls, however short the time of sleep.
 #[test]
 fn nothing_sleeps_in_the_air() {

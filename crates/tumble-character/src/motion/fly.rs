@@ -2,7 +2,7 @@
 
 use tumble::math::{Real, Vec3};
 
-use crate::motion::{Hit, MAX_SLIDES, Motion};
+use crate::motion::{Advance, Hit, MAX_SLIDES, Motion};
 use crate::push::Push;
 use crate::surroundings::Body;
 use crate::vectors::flat;
@@ -33,30 +33,17 @@ impl Motion<'_> {
         let mut way = rest;
         rest = self.upright.clipped(way, &planes, false);
         for _ in 0..MAX_SLIDES {
-            let length = rest.length();
-            if length < self.skin() * 1e-3 {
-                break;
-            }
-            let direction = rest / length;
-            let Some(hit) = self.look(self.position, direction, length) else {
-                self.position += rest;
-                break;
+            let (hit, left) = match self.advance(rest) {
+                Advance::Done => break,
+                Advance::PushedOut => {
+                    planes.extend_from_slice(&self.held_by);
+                    rest = self.upright.clipped(way, &planes, false);
+                    velocity = self.upright.clipped(free_velocity, &planes, true);
+                    continue;
+                }
+                Advance::Met(hit, left) => (hit, left),
             };
-            if self.is_inside(&hit) {
-                self.push_out();
-                planes.extend_from_slice(&self.held_by);
-                rest = self.upright.clipped(way, &planes, false);
-                velocity = self.upright.clipped(free_velocity, &planes, true);
-                continue;
-            }
-            let free = self.free_way(&hit, direction, length);
-            self.position += direction * free;
-            if free >= length {
-                break;
-            }
-            let left = 1.0 - free / length;
             (way, rest) = (way * left, rest * left);
-            self.touch(&hit);
             if self.is_landing(&hit, velocity) {
                 return self.land(&hit, velocity, rest);
             }

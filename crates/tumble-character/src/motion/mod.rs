@@ -69,6 +69,17 @@ struct Hit {
     point: Vec3,
 }
 
+/// How a way ended.
+#[derive(Clone, Copy, Debug)]
+enum Advance {
+    /// It is gone.
+    Done,
+    /// It began in something, and what is in its way may be other than before.
+    PushedOut,
+    /// At this, and which part of it is left.
+    Met(Hit, Real),
+}
+
 impl<'a> Motion<'a> {
     pub(crate) fn new(
         around: &'a Surroundings<'a>,
@@ -167,6 +178,30 @@ impl<'a> Motion<'a> {
         }
         let gone = (self.start - self.position).dot(hit.normal).max(0.0);
         (0.5 * (free - gone / rate)).clamp(0.0, length)
+    }
+
+    /// Goes along a way until something is met.
+    fn advance(&mut self, way: Vec3) -> Advance {
+        let length = way.length();
+        if length < self.skin() * 1e-3 {
+            return Advance::Done;
+        }
+        let direction = way / length;
+        let Some(hit) = self.look(self.position, direction, length) else {
+            self.position += way;
+            return Advance::Done;
+        };
+        if self.is_inside(&hit) {
+            self.push_out();
+            return Advance::PushedOut;
+        }
+        let free = self.free_way(&hit, direction, length);
+        self.position += direction * free;
+        if free >= length {
+            return Advance::Done;
+        }
+        self.touch(&hit);
+        Advance::Met(hit, 1.0 - free / length)
     }
 
     fn touch(&mut self, hit: &Hit) {

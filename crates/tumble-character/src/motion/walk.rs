@@ -3,7 +3,7 @@
 use tumble::hecs::Entity;
 use tumble::math::Vec3;
 
-use crate::motion::{Hit, MAX_SLIDES, Motion};
+use crate::motion::{Advance, Hit, MAX_SLIDES, Motion};
 use crate::slide::Plane;
 use crate::surroundings::Body;
 use crate::vectors::{flat, unit};
@@ -17,31 +17,17 @@ impl Motion<'_> {
         let mut walls: Vec<Plane> = self.held_by.iter().filter_map(|it| self.upright_wall(it)).collect();
         let mut rest = self.upright.clipped_flat(way, &walls, false);
         for _ in 0..MAX_SLIDES {
-            let lifted = self.upright.lifted(rest, normal);
-            let length = lifted.length();
-            if length < self.skin() * 1e-3 {
-                break;
-            }
-            let direction = lifted / length;
-            let Some(hit) = self.look(self.position, direction, length) else {
-                self.position += lifted;
-                break;
+            let (hit, left) = match self.advance(self.upright.lifted(rest, normal)) {
+                Advance::Done => break,
+                Advance::PushedOut => {
+                    walls.extend(self.held_by.iter().filter_map(|it| self.upright_wall(it)));
+                    rest = self.upright.clipped_flat(way, &walls, false);
+                    self.state.velocity = self.upright.clipped_flat(own, &walls, true);
+                    continue;
+                }
+                Advance::Met(hit, left) => (hit, left),
             };
-            if self.is_inside(&hit) {
-                self.push_out();
-                walls.extend(self.held_by.iter().filter_map(|it| self.upright_wall(it)));
-                rest = self.upright.clipped_flat(way, &walls, false);
-                self.state.velocity = self.upright.clipped_flat(own, &walls, true);
-                continue;
-            }
-            let free = self.free_way(&hit, direction, length);
-            self.position += direction * free;
-            if free >= length {
-                break;
-            }
-            let left = 1.0 - free / length;
             (way, rest) = (way * left, rest * left);
-            self.touch(&hit);
             if self.upright.is_walkable(hit.normal) && !self.is_a_high_edge(&hit) {
                 (rest, normal) = self.onto_slope(rest, normal, hit.normal);
                 way = rest;

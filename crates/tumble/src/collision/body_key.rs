@@ -7,6 +7,7 @@ use crate::collision::collider::Collider;
 use crate::collision::contact::ContactRecord;
 use crate::components::{BodyId, Pose};
 use crate::joints::joint::Joint;
+use crate::joints::locked_axes::LockedAxes;
 use crate::storage::body_index::{BodyIndex, Slot};
 
 /// The persistent key of a body: its [`BodyId`], whatever its entity, or without one the number of
@@ -78,7 +79,9 @@ impl BodyKeys {
         let count = body_index.len();
         self.here.clear();
         self.here.resize(count, Entity::DANGLING);
-        for entity in world.query::<Entity>().with::<&Collider>().iter() {
+        let mut with_collider = world.query::<Entity>().with::<&Collider>();
+        let mut locked = world.query::<Entity>().with::<&LockedAxes>();
+        for entity in with_collider.iter().chain(locked.iter()) {
             if let Some(slot) = body_index.slot(entity.id()) {
                 self.here[slot.index()] = entity;
             }

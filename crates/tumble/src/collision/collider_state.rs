@@ -5,7 +5,7 @@ use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::narrow_phase::{LaneKind, ShapeLanes};
 use crate::math::Real;
-use crate::storage::body_index::Slot;
+use crate::storage::body_index::{Slot, by_new_slot};
 
 /// By slot: where bodies with colliders are in this substep.
 #[derive(Clone, Default)]
@@ -18,10 +18,7 @@ pub(crate) struct ColliderStates {
 impl ColliderStates {
     /// Gives the states the slots that their bodies have now; `slots` are these by slot before.
     pub(crate) fn renumber(&mut self, slots: &[Slot], count: usize) {
-        let before = std::mem::replace(&mut self.states, vec![ColliderState::NOWHERE; count]);
-        for (state, slot) in before.into_iter().zip(slots).filter(|(_, slot)| **slot != Slot::NONE) {
-            self.states[slot.index()] = state;
-        }
+        self.states = by_new_slot(std::mem::take(&mut self.states), slots, count, ColliderState::NOWHERE);
     }
 }
 

@@ -258,23 +258,22 @@ impl ContactRecord {
 
     /// How fast the points that come nearest do so, where bodies move like this in a time \[m/s\].
     pub(crate) fn closing_speed_of(&self, [first, second]: [&ColliderState; 2], time: Real) -> Real {
-        let apart = second.center - first.center;
-        let way = |state: &ColliderState, arm: Vec3<Real>| state.motion.way + state.motion.turn.cross(arm);
-        let comes = |j: usize| {
-            let arm = self.place(j);
-            self.geometry.normal.dot(way(first, arm + apart) - way(second, arm))
-        };
+        let comes = |j: usize| self.geometry.normal.dot(self.passing(j, [first, second]));
         (0..self.count()).map(comes).fold(0.0, Real::max) / time
+    }
+
+    /// How far the first body moves past the second at a point, where they go on like this \[m\].
+    fn passing(&self, j: usize, [first, second]: [&ColliderState; 2]) -> Vec3<Real> {
+        let (arm, apart) = (self.place(j), second.center - first.center);
+        let way = |state: &ColliderState, arm: Vec3<Real>| state.motion.way + state.motion.turn.cross(arm);
+        way(first, arm + apart) - way(second, arm)
     }
 
     /// How fast the points come together or, within the margin, move past each other, where bodies
     /// move like this in a time \[m/s\].
     pub(crate) fn fastest_approach(&self, [first, second]: [&ColliderState; 2], time: Real) -> Real {
-        let apart = second.center - first.center;
-        let way = |state: &ColliderState, arm: Vec3<Real>| state.motion.way + state.motion.turn.cross(arm);
         let comes = |j: usize| {
-            let arm = self.place(j);
-            let passes = way(first, arm + apart) - way(second, arm);
+            let passes = self.passing(j, [first, second]);
             let meets = self.separation(j) <= self.margin();
             if meets { passes.dot(passes).sqrt() } else { self.geometry.normal.dot(passes) }
         };

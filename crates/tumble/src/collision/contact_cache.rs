@@ -87,13 +87,13 @@ impl ContactCache {
     }
 
     /// Has the contacts of bodies that woke in a later substep among those of before the step too,
-    /// and without impulses of this step.
+    /// and without impulses of this step; `woken` are in order.
     pub(crate) fn remember_woken(&mut self, woken: &[Slot]) {
         if self.is_first_substep() {
             return;
         }
         let Self { last, before_step, .. } = self;
-        let woke = |contact: &&mut ContactRecord| contact.slots.iter().any(|slot| woken.contains(slot));
+        let woke = |contact: &&mut ContactRecord| contact.slots.iter().any(|slot| woken.binary_search(slot).is_ok());
         let known = before_step.len();
         for contact in last.iter_mut().filter(woke) {
             if before_step[..known].binary_search_by_key(&contact.key(), ContactRecord::key).is_err() {

@@ -37,6 +37,7 @@ pub(crate) mod round_contact;
 pub(crate) mod saved_contacts;
 pub(crate) mod sensors;
 pub(crate) mod sleep;
+pub(crate) mod sleep_mask;
 pub(crate) mod speculative;
 pub(crate) mod strike;
 pub(crate) mod sweep;

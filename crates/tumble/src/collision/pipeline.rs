@@ -31,7 +31,7 @@ use crate::joints::joint_marks::JointMarks;
 use crate::joints::locked_axes::LockedAxes;
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::settings::Settings;
-use crate::storage::body_index::{BodyIndex, Slot};
+use crate::storage::body_index::{BodyIndex, Slot, by_new_slot};
 use crate::storage::world_columns::WorldColumns;
 use crate::threads::InParts;
 
@@ -101,10 +101,7 @@ impl Colliders {
 
     /// Gives colliders the slots that their bodies have now; `slots` are these by slot before.
     fn renumber(&mut self, slots: &[Slot], count: usize) {
-        let before = std::mem::replace(&mut self.list, vec![None; count]);
-        for (collider, slot) in before.into_iter().zip(slots).filter(|(_, slot)| **slot != Slot::NONE) {
-            self.list[slot.index()] = collider;
-        }
+        self.list = by_new_slot(std::mem::take(&mut self.list), slots, count, None);
     }
 
     /// Reads the colliders of a world, and adds the slots of those that are others than they were.
@@ -250,7 +247,7 @@ impl CollisionPipeline {
         loop {
             self.list_contacts(columns, (settings, intervals), joints);
             // What was asleep may touch others in its turn.
-            let more = self.wake_struck(joints);
+            let more = self.wake_struck();
             if more.is_empty() {
                 break;
             }

@@ -6,7 +6,7 @@ use crate::collision::collider::Collider;
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_ways::length;
 use crate::collision::pipeline::CollisionPipeline;
-use crate::collision::sleep::{Links, Rest, Sleepers, moves};
+use crate::collision::sleep::{Rest, Sleepers, moves};
 use crate::collision::traveller::energy;
 use crate::components::{Momentum, Velocity, Wrench};
 use crate::forces::registry::ForceLaws;
@@ -45,35 +45,28 @@ impl CollisionPipeline {
         self.notice_joints(joints);
         let knows_all = self.sleepers.are_on() && !std::mem::take(&mut self.sleepers.are_restored);
         if self.sleepers.settings.replace(*settings).is_some_and(|before| before != *settings) {
-            let all: Vec<Slot> = self.body_index.all().filter(|slot| self.sleepers.is_asleep(*slot)).collect();
-            self.sleepers.disturbed.extend(all);
+            self.sleepers.disturb_all();
         }
         self.find_movers(columns, knows_all);
         self.compare_dynamic(columns, (settings, laws), &sleep, is_pulled);
         // After a restore all are with the others.
-        self.take_contacts();
-        let links = joints.links();
-        self.disturb_by_contacts((settings.dt / sleep.time).min(1.0), &links);
+        self.sleepers.take_contacts(&mut self.contacts.records);
+        self.sleepers.links.clear();
+        self.sleepers.links.extend(joints.links());
+        self.disturb_by_contacts((settings.dt / sleep.time).min(1.0));
         let Self { sleepers, contacts, .. } = self;
         let mut disturbed = std::mem::take(&mut sleepers.disturbed);
-        for slot in sleepers.wake(&disturbed, &links, &mut contacts.records) {
+        for slot in sleepers.wake(&disturbed, &mut contacts.records) {
             sleepers.awake.is_dynamic[slot.index()] = true;
         }
         disturbed.clear();
         sleepers.disturbed = disturbed;
         let has_gravity = settings.gravity != WorldVec3::ZERO;
-        sleepers.find_tired(&contacts.records, &links, (&sleep, has_gravity));
+        sleepers.find_tired(&contacts.records, &sleep, has_gravity);
         let tired = std::mem::take(&mut sleepers.tired);
         tired.iter().for_each(|slot| self.put_to_sleep(*slot, columns));
         self.sleepers.tired = tired;
-        self.take_contacts();
-    }
-
-    /// Has the contacts of which no body is awake with the sleeping bodies.
-    fn take_contacts(&mut self) {
-        let awake = std::mem::take(&mut self.sleepers.awake);
-        self.sleepers.take_contacts(&mut self.contacts.records, |slot| awake.is_dynamic[slot.index()]);
-        self.sleepers.awake = awake;
+        self.sleepers.take_contacts(&mut self.contacts.records);
     }
 
     /// Disturbs what has joints that are not as they were.
@@ -121,7 +114,7 @@ impl CollisionPipeline {
                 if is_changed || moves(bodies.velocity.map(|column| &column[row])) {
                     sleepers.movers.push(*slot);
                 }
-                if sleepers.is_asleep(*slot) {
+                if sleepers.asleep.has(*slot) {
                     sleepers.disturbed.push(*slot);
                 }
             }
@@ -143,7 +136,7 @@ impl CollisionPipeline {
         awake.reset(body_index.len());
         laws.for_each_archetype_of(columns, |archetype, chunk, laws| {
             for (row, slot) in body_index.slots_in(archetype).iter().enumerate() {
-                let is_asleep = sleepers.is_asleep(*slot);
+                let is_asleep = sleepers.asleep.has(*slot);
                 let rest = &mut sleepers.rests[slot.index()];
                 let is_pulled = !laws.is_empty() || is_pulled(body_index.key(*slot).2);
                 if is_asleep {
@@ -175,9 +168,9 @@ impl CollisionPipeline {
     /// Keeps awake what touches something that moves by itself, and disturbs what sleeps and lost
     /// its support or carries a load that it did not fall asleep under.
     /// A step is this `share` of the time that bodies have to be still for.
-    fn disturb_by_contacts(&mut self, share: Real, links: Links<'_>) {
+    fn disturb_by_contacts(&mut self, share: Real) {
         let Self { sleepers, contacts, colliders, .. } = self;
-        let Sleepers { movers, contacts: of_sleepers, disturbed, rests, asleep, .. } = sleepers;
+        let Sleepers { movers, contacts: of_sleepers, disturbed, rests, asleep, links, .. } = sleepers;
         let is_mover = |slot: &Slot| movers.binary_search(slot).is_ok();
         if !movers.is_empty() {
             let with_mover = of_sleepers.iter().filter(|contact| contact.slots.iter().any(is_mover));
@@ -198,9 +191,7 @@ impl CollisionPipeline {
                 if is_restless {
                     rest.still = 0.0;
                 }
-                if asleep.get(slot.index()).is_some_and(|it| *it)
-                    && contact.impulse_of_step() > rest.least_momentum * share
-                {
+                if asleep.has(slot) && contact.impulse_of_step() > rest.least_momentum * share {
                     disturbed.push(slot);
                 }
             }
@@ -220,15 +211,15 @@ impl CollisionPipeline {
         if let Some(work) = columns.work.as_deref_mut() {
             work[row].sleep -= given_up;
         }
-        self.sleepers.put_to_sleep(slot, self.body_index.len());
+        self.sleepers.asleep.insert(slot, self.body_index.len());
         self.sleepers.awake.is_dynamic[slot.index()] = false;
     }
 
     /// Wakes what something strikes or comes near, so that it is solved in this substep. Returns
     /// the bodies that slept.
-    pub(crate) fn wake_struck(&mut self, joints: &JointList) -> Vec<Slot> {
+    pub(crate) fn wake_struck(&mut self) -> Vec<Slot> {
         let mut struck = Vec::new();
-        if self.sleepers.count() == 0 {
+        if self.sleepers.asleep.is_empty() {
             return struck;
         }
         self.disturb_near_movers(&mut struck);
@@ -237,7 +228,7 @@ impl CollisionPipeline {
         if struck.is_empty() {
             return struck;
         }
-        let woken = sleepers.wake(&struck, &joints.links(), &mut cache.last);
+        let woken = sleepers.wake(&struck, &mut cache.last);
         cache.remember_woken(&woken);
         woken
     }
@@ -249,7 +240,7 @@ impl CollisionPipeline {
         for mover in sleepers.movers.iter().filter(is_solid) {
             let touch = |slot: &Slot| colliders.groups[slot.index()].touch(colliders.groups[mover.index()]);
             let mut show = |slot: Slot| {
-                if sleepers.is_asleep(slot) && touch(&slot) {
+                if sleepers.asleep.has(slot) && touch(&slot) {
                     struck.push(slot);
                 }
             };

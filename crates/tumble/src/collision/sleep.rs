@@ -10,20 +10,19 @@ use hecs::EntityRef;
 use crate::collision::collider_state::ColliderState;
 use crate::collision::contact::ContactRecord;
 use crate::collision::islands::Islands;
+use crate::collision::sleep_mask::SleepMask;
 use crate::components::{GravityScale, Mass, Momentum, Pose, Velocity};
 use crate::joints::axes::Axes;
 use crate::math::Real;
 use crate::settings::{Settings, Sleep};
-use crate::storage::body_index::Slot;
+use crate::storage::body_index::{Slot, by_new_slot};
 
 /// The bodies of a world that sleep, kept from step to step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sleepers {
     /// By slot; empty where the settings have no sleep.
     pub(crate) rests: Vec<Rest>,
-    /// By slot; empty where none sleeps.
-    pub(crate) asleep: Vec<bool>,
-    count: usize,
+    pub(crate) asleep: SleepMask,
     /// Contacts of sleeping bodies with each other and with what is not dynamic, by key.
     pub(crate) contacts: Vec<ContactRecord>,
     /// Those that the last step was taken with.
@@ -40,7 +39,8 @@ pub(crate) struct Sleepers {
     /// them or is new; of dynamic ones those that were not.
     pub(crate) movers: Vec<Slot>,
     islands: Islands,
-    /// Memory that every step overwrites.
+    /// Pairs of bodies with joints, which hang together beside contacts; memory, as what follows.
+    pub(crate) links: Vec<[Slot; 2]>,
     pub(crate) awake: AwakeBodies,
     stays_awake: Vec<bool>,
     is_held: Vec<bool>,
@@ -67,7 +67,7 @@ impl AwakeBodies {
 /// A body as it was when the last step began.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rest {
-    /// Of a body that is not dynamic, or that sleeps; `None` where it is not known.
+    /// `None` where nothing is known of the body.
     pub(crate) pose: Option<Pose>,
     /// Mass by scale of gravity of a dynamic body \[kg\].
     pub(crate) weight: Real,
@@ -87,45 +87,19 @@ impl Rest {
 /// In the place of the time for which a body has been still, if it sleeps.
 pub(crate) const ASLEEP: Real = -1.0;
 
-/// What hangs together beside contacts: pairs of bodies with joints.
-pub(crate) type Links<'a> = &'a [[Slot; 2]];
-
 impl Sleepers {
     /// Whether bodies may sleep.
     pub(crate) fn are_on(&self) -> bool {
         self.settings.is_some_and(|it| it.sleep.is_some())
     }
 
-    pub(crate) fn is_asleep(&self, slot: Slot) -> bool {
-        self.asleep.get(slot.index()).is_some_and(|is_asleep| *is_asleep)
-    }
-
-    /// By slot; empty where none sleeps.
-    pub(crate) fn mask(&self) -> &[bool] {
-        &self.asleep
-    }
-
-    /// How many sleep.
-    pub(crate) fn count(&self) -> usize {
-        self.count
-    }
-
     /// Gives bodies the slots that they have now; `slots` are these by slot before.
     pub(crate) fn renumber(&mut self, slots: &[Slot], count: usize) {
         let to = |slot: &Slot| slots.get(slot.index()).copied().filter(|now| *now != Slot::NONE);
-        let mut rests = vec![Rest::UNKNOWN; if self.rests.is_empty() { 0 } else { count }];
-        for (rest, now) in self.rests.iter().zip(slots).filter(|(_, now)| **now != Slot::NONE) {
-            rests[now.index()] = *rest;
+        if !self.rests.is_empty() {
+            self.rests = by_new_slot(std::mem::take(&mut self.rests), slots, count, Rest::UNKNOWN);
         }
-        self.rests = rests;
-        if !self.asleep.is_empty() {
-            let mut asleep = vec![false; count];
-            for (is_asleep, now) in self.asleep.iter().zip(slots).filter(|(_, now)| **now != Slot::NONE) {
-                asleep[now.index()] = *is_asleep;
-            }
-            self.asleep = asleep;
-            self.recount();
-        }
+        self.asleep.renumber(slots, count);
         self.disturbed = self.disturbed.iter().filter_map(to).collect();
         self.changed.clear();
     }
@@ -138,8 +112,7 @@ impl Sleepers {
         }
         self.are_restored = true;
         self.rests.extend(still.iter().map(|still| Rest { still: still.max(0.0), ..Rest::UNKNOWN }));
-        self.asleep.extend(still.iter().map(|still| *still == ASLEEP));
-        self.recount();
+        self.asleep.set(still.iter().map(|still| *still == ASLEEP));
     }
 
     /// Takes bodies that were put back for as they are in the world now.
@@ -153,21 +126,20 @@ impl Sleepers {
         }
     }
 
-    /// For how long a body has been still \[s\], or [`ASLEEP`].
-    pub(crate) fn still(&self, slot: Slot) -> Real {
-        if self.is_asleep(slot) { ASLEEP } else { self.rests.get(slot.index()).map_or(0.0, |rest| rest.still) }
+    /// Has all that sleep wake when the next step begins.
+    pub(crate) fn disturb_all(&mut self) {
+        let Self { asleep, disturbed, .. } = self;
+        disturbed.extend(asleep.slots());
     }
 
-    fn recount(&mut self) {
-        self.count = self.asleep.iter().filter(|is_asleep| **is_asleep).count();
-        if self.count == 0 {
-            self.asleep.clear();
-        }
+    /// For how long a body has been still \[s\], or [`ASLEEP`].
+    pub(crate) fn still(&self, slot: Slot) -> Real {
+        if self.asleep.has(slot) { ASLEEP } else { self.rests.get(slot.index()).map_or(0.0, |rest| rest.still) }
     }
 
     /// None sleeps any more, and nothing is known; their contacts are with the others again.
     pub(crate) fn end(&mut self, contacts: &mut Vec<ContactRecord>) {
-        self.give_back(contacts, |_| true);
+        move_contacts(&mut self.contacts, contacts, |_| true);
         self.forget();
     }
 
@@ -175,7 +147,6 @@ impl Sleepers {
     pub(crate) fn forget(&mut self) {
         self.rests.clear();
         self.asleep.clear();
-        self.count = 0;
         self.contacts.clear();
         self.settings = None;
         self.are_restored = false;
@@ -184,86 +155,43 @@ impl Sleepers {
         self.locks.clear();
     }
 
-    /// Puts a body to sleep, or back to sleep after it was restored.
-    pub(crate) fn put_to_sleep(&mut self, slot: Slot, slots: usize) {
-        self.asleep.resize(slots, false);
-        self.count += usize::from(!std::mem::replace(&mut self.asleep[slot.index()], true));
-    }
-
     /// Wakes bodies, and all that sleep and hang together with them; their contacts come to the
     /// others. Returns those that slept, in order.
-    pub(crate) fn wake(
-        &mut self,
-        disturbed: &[Slot],
-        links: Links<'_>,
-        contacts: &mut Vec<ContactRecord>,
-    ) -> Vec<Slot> {
-        let Self { asleep, islands, contacts: of_sleepers, rests, .. } = self;
-        let is_asleep = |slot: Slot| asleep.get(slot.index()).is_some_and(|it| *it);
-        if !disturbed.iter().any(|slot| is_asleep(*slot)) {
+    pub(crate) fn wake(&mut self, disturbed: &[Slot], contacts: &mut Vec<ContactRecord>) -> Vec<Slot> {
+        let Self { asleep, islands, contacts: of_sleepers, rests, links, .. } = self;
+        if !disturbed.iter().any(|slot| asleep.has(*slot)) {
             return Vec::new();
         }
         let pairs = of_sleepers.iter().map(|contact| contact.slots).chain(links.iter().copied());
-        islands.join(asleep.len(), pairs, is_asleep);
-        let mut wakes = vec![false; asleep.len()];
-        for slot in disturbed.iter().filter(|slot| is_asleep(**slot)) {
+        islands.join(rests.len(), pairs, |slot| asleep.has(slot));
+        let mut wakes = vec![false; rests.len()];
+        for slot in disturbed.iter().filter(|slot| asleep.has(**slot)) {
             wakes[islands.root(*slot).index()] = true;
         }
-        let all = (0..asleep.len() as u32).map(Slot);
-        let woken: Vec<Slot> = all.filter(|slot| is_asleep(*slot) && wakes[islands.root(*slot).index()]).collect();
-        for slot in &woken {
-            asleep[slot.index()] = false;
-            rests[slot.index()].still = 0.0;
-        }
-        self.count -= woken.len();
-        self.give_back_of_awake(contacts);
-        self.recount();
+        let woken: Vec<Slot> = asleep.slots().filter(|slot| wakes[islands.root(*slot).index()]).collect();
+        asleep.remove_all(&woken);
+        woken.iter().for_each(|slot| rests[slot.index()].still = 0.0);
+        move_contacts(of_sleepers, contacts, |contact| !contact.slots.iter().any(|slot| asleep.has(*slot)));
         woken
-    }
-
-    /// Gives back the contacts of which no body sleeps.
-    fn give_back_of_awake(&mut self, contacts: &mut Vec<ContactRecord>) {
-        let asleep = std::mem::take(&mut self.asleep);
-        let sleeps = |slot: &Slot| asleep[slot.index()];
-        self.give_back(contacts, |contact| !contact.slots.iter().any(sleeps));
-        self.asleep = asleep;
-    }
-
-    fn give_back(&mut self, contacts: &mut Vec<ContactRecord>, goes: impl Fn(&ContactRecord) -> bool) {
-        let before = contacts.len();
-        contacts.extend(self.contacts.extract_if(.., |contact| goes(contact)));
-        if contacts.len() > before {
-            contacts.sort_by_key(ContactRecord::key);
-        }
     }
 
     /// Takes the contacts of which no body is awake: of sleeping bodies with each other and with
     /// those that are not dynamic.
-    pub(crate) fn take_contacts(&mut self, contacts: &mut Vec<ContactRecord>, is_dynamic: impl Fn(Slot) -> bool) {
-        if self.count == 0 {
+    pub(crate) fn take_contacts(&mut self, contacts: &mut Vec<ContactRecord>) {
+        let Self { asleep, awake, contacts: of_sleepers, .. } = self;
+        if asleep.is_empty() {
             return;
         }
-        let asleep = &self.asleep;
-        let rests = |contact: &ContactRecord| {
-            let sleeps = |slot: &Slot| asleep[slot.index()];
-            contact.slots.iter().any(sleeps) && contact.slots.iter().all(|slot| sleeps(slot) || !is_dynamic(*slot))
-        };
-        let before = self.contacts.len();
-        self.contacts.extend(contacts.extract_if(.., |contact| rests(contact)));
-        if self.contacts.len() > before {
-            self.contacts.sort_by_key(ContactRecord::key);
-        }
+        move_contacts(contacts, of_sleepers, |contact| {
+            let is_any_asleep = contact.slots.iter().any(|slot| asleep.has(*slot));
+            is_any_asleep && !contact.slots.iter().any(|slot| awake.is_dynamic[slot.index()])
+        });
     }
 
     /// Lists the bodies of islands of which all have been still for long enough, and that something
     /// holds or that neither move nor would fall, in order.
-    pub(crate) fn find_tired(
-        &mut self,
-        contacts: &[ContactRecord],
-        links: Links<'_>,
-        (sleep, has_gravity): (&Sleep, bool),
-    ) {
-        let Self { islands, rests, awake, stays_awake, is_held, tired, .. } = self;
+    pub(crate) fn find_tired(&mut self, contacts: &[ContactRecord], sleep: &Sleep, has_gravity: bool) {
+        let Self { islands, rests, awake, stays_awake, is_held, tired, links, .. } = self;
         let is_awake = |slot: Slot| awake.is_dynamic[slot.index()];
         let pairs = contacts.iter().map(|contact| contact.slots).chain(links.iter().copied());
         islands.join(rests.len(), pairs, is_awake);
@@ -300,12 +228,21 @@ impl Sleepers {
         struck: &mut Vec<Slot>,
     ) {
         for contact in contacts {
-            let Some(sleeper) = contact.slots.into_iter().find(|slot| self.is_asleep(*slot)) else { continue };
+            let Some(sleeper) = contact.slots.into_iter().find(|slot| self.asleep.has(*slot)) else { continue };
             let least = self.rests[sleeper.index()].least_speed;
             if contact.fastest_approach(contact.slots.map(|slot| &states[slot.index()]), ahead) > least {
                 struck.push(sleeper);
             }
         }
+    }
+}
+
+/// Moves contacts to another list, which is in order of their keys then.
+fn move_contacts(from: &mut Vec<ContactRecord>, to: &mut Vec<ContactRecord>, goes: impl Fn(&ContactRecord) -> bool) {
+    let before = to.len();
+    to.extend(from.extract_if(.., |contact| goes(contact)));
+    if to.len() > before {
+        to.sort_by_key(ContactRecord::key);
     }
 }
 

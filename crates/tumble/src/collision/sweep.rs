@@ -176,7 +176,7 @@ impl CollisionPipeline {
     }
 
     fn is_fast(&self, slot: Slot, pose: &Pose) -> bool {
-        if self.sleepers.is_asleep(slot) {
+        if self.sleepers.asleep.has(slot) {
             return false;
         }
         let state = &self.collider_states.states[slot.index()];

@@ -30,7 +30,7 @@ impl CollisionPipeline {
             ..
         } = self;
         let count = body_index.len();
-        let keeps = *are_states_known && states.len() == count && !sleepers.mask().is_empty();
+        let keeps = *are_states_known && states.len() == count && !sleepers.asleep.is_empty();
         if !keeps {
             lanes.reset(count);
             states.clear();
@@ -50,7 +50,7 @@ impl CollisionPipeline {
                     proxies: &mut proxies[slots.clone()],
                     lanes: lanes.part(slots.clone()),
                     sensors: colliders.sensors.get(slots.clone()).unwrap_or_default(),
-                    asleep: sleepers.mask().get(slots).unwrap_or_default(),
+                    asleep: sleepers.asleep.part(slots),
                 };
                 update.run(bodies.rows(row..row + run.len()), intervals);
                 row += run.len();

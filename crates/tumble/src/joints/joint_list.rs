@@ -11,6 +11,7 @@ use crate::joints::ignore_contacts::IgnoreContacts;
 use crate::joints::joint::Joint;
 use crate::joints::joint_event::JointEvent;
 use crate::joints::joint_load::JointLoad;
+use crate::joints::joint_marks::JointMark;
 use crate::joints::joint_options::JointOptions;
 use crate::math::Real;
 use crate::storage::body_index::{BodyIndex, RowPlace, Slot};
@@ -243,33 +244,27 @@ impl JointList {
     }
 
     /// Pairs of bodies that hang together: by joints, and by gears between joints.
-    pub(crate) fn links(&self) -> Vec<[Slot; 2]> {
-        let of_gear = |gear: &ListedGear| gear.joints.map(|number| self.joints[number as usize].slots);
+    pub(crate) fn links(&self) -> impl Iterator<Item = [Slot; 2]> + '_ {
         let of_gears = self.gears.iter().flat_map(|gear| {
-            let [a, b] = of_gear(gear);
+            let [a, b] = gear.joints.map(|number| self.joints[number as usize].slots);
             [[a[0], b[0]], [a[0], b[1]], [a[1], b[0]], [a[1], b[1]]]
         });
-        self.pairs().chain(of_gears).collect()
+        self.pairs().chain(of_gears)
     }
 
-    /// Shows each joint with a number of all that it is and has, and its bodies.
-    pub(crate) fn for_each_mark(&self, mut show: impl FnMut((Entity, u64, [Entity; 2]))) {
-        let hash = |seed: u64, numbers: &mut dyn Iterator<Item = u64>| {
-            numbers.fold(seed, |sum, number| (sum ^ number).wrapping_mul(0x0100_0000_01b3).rotate_left(23))
-        };
-        for (number, joint) in (0..).zip(&self.joints) {
+    /// Adds a mark for each joint: a number of all that it is and has.
+    pub(crate) fn add_marks(&self, marks: &mut Vec<JointMark>) {
+        marks.extend(self.joints.iter().map(|joint| {
             let breakable = joint.breakable.map_or([Real::NAN; 2], |it| [it.max_force, it.max_torque]);
             let bits = [u64::from(joint.joint.free.bits()), u64::from(joint.joint.contacts_enabled)];
-            let own = joint.frame_bits().into_iter().chain(bits).chain(breakable.map(|it| u64::from(it.to_bits())));
-            let mut sum = hash(0xcbf2_9ce4_8422_2325, &mut own.into_iter());
-            if let Some(options) = self.options(joint) {
-                sum = hash(sum, &mut options.numbers());
-            }
-            for gear in self.gears.iter().filter(|gear| gear.joints.contains(&number)) {
-                let axes = gear.axes.map(|axis| axis as u64);
-                sum = hash(sum, &mut axes.into_iter().chain([gear.ratio.to_bits(), gear.offset.to_bits()]));
-            }
-            show((joint.entity, sum, joint.joint.bodies));
+            let mut mark = JointMark::new(joint.entity, joint.joint.bodies);
+            mark.add(joint.frame_bits().into_iter().chain(bits).chain(breakable.map(|it| u64::from(it.to_bits()))));
+            self.options(joint).into_iter().for_each(|options| mark.add(options.numbers()));
+            mark
+        }));
+        for gear in &self.gears {
+            let numbers = [gear.axes[0] as u64, gear.axes[1] as u64, gear.ratio.to_bits(), gear.offset.to_bits()];
+            gear.joints.iter().for_each(|joint| marks[*joint as usize].add(numbers.into_iter()));
         }
     }
 

@@ -1,5 +1,6 @@
 //! The bodies of a world that constraints act on in a substep, each with its row in the solver.
 
+use crate::collision::sleep_mask::SleepMask;
 use crate::joints::axis_lock::{AxisLock, LockedSlot};
 use crate::solver::solver_bodies::SolverRow;
 use crate::storage::body_index::{BodyIndex, Slot};
@@ -12,8 +13,8 @@ pub(crate) struct ConstrainedBodies {
     rows: Vec<SolverRow>,
     /// How many are dynamic and awake, and how many are not.
     counts: [usize; 2],
-    /// By slot, whether it is dynamic and sleeps; empty where none does. It is not moved.
-    asleep: Vec<bool>,
+    /// Those that are dynamic and sleep: they are not moved.
+    pub(crate) sleepers: SleepMask,
     /// Bodies with locked axes: constraints act on them in any case.
     pub(crate) locked: Vec<LockedSlot>,
 }
@@ -29,12 +30,11 @@ impl ConstrainedBodies {
         pairs: impl Iterator<Item = [Slot; 2]>,
         body_index: &BodyIndex,
         columns: &WorldColumns<'_>,
-        sleepers: &[bool],
+        asleep: &SleepMask,
     ) {
-        let Self { rows, counts, locked, asleep } = self;
-        asleep.clear();
-        asleep.extend_from_slice(sleepers);
-        let is_awake = |slot: &Slot| asleep.get(slot.index()).is_none_or(|is_asleep| !is_asleep);
+        let Self { rows, counts, locked, sleepers } = self;
+        sleepers.copy_from(asleep);
+        let is_awake = |slot: &Slot| !sleepers.has(*slot);
         rows.clear();
         rows.resize(body_index.len(), NONE);
         let locked = locked.iter().map(|it| it.slot).filter(is_awake);
@@ -51,7 +51,7 @@ impl ConstrainedBodies {
     /// None.
     pub(crate) fn clear(&mut self) {
         self.rows.clear();
-        self.asleep.clear();
+        self.sleepers.clear();
         self.counts = [0; 2];
     }
 
@@ -68,17 +68,9 @@ impl ConstrainedBodies {
         self.rows[slot.index()] != NONE
     }
 
-    pub(crate) fn is_asleep(&self, slot: Slot) -> bool {
-        self.asleep.get(slot.index()).is_some_and(|is_asleep| *is_asleep)
-    }
-
-    pub(crate) fn are_any_asleep(&self) -> bool {
-        !self.asleep.is_empty()
-    }
-
     /// The row of a body that does not sleep.
     pub(crate) fn awake_row(&self, slot: Slot) -> Option<SolverRow> {
-        self.row(slot).filter(|_| !self.is_asleep(slot))
+        self.row(slot).filter(|_| !self.sleepers.has(slot))
     }
 
     pub(crate) fn row(&self, slot: Slot) -> Option<SolverRow> {

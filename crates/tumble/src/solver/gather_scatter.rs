@@ -104,10 +104,10 @@ fn gather_non_dynamic(
     bodies: &mut SolverBodies,
     mut next: usize,
 ) -> usize {
-    let are_any_asleep = constrained.are_any_asleep();
+    let are_any_asleep = !constrained.sleepers.is_empty();
     for (archetype, is_dynamic) in columns.kinds().filter(|(_, is_dynamic)| are_any_asleep || !*is_dynamic) {
         for slot in body_index.slots_in(archetype) {
-            if constrained.contains(*slot) && (!is_dynamic || constrained.is_asleep(*slot)) {
+            if constrained.contains(*slot) && (!is_dynamic || constrained.sleepers.has(*slot)) {
                 let place = body_index.place(*slot);
                 let row = place.row as usize;
                 let (pose, velocity) = match columns.bodies(place) {

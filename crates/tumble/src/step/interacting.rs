@@ -151,9 +151,7 @@ fn time_of(clock: &Clock, settings: &Settings, SubstepIndex { step, substep }: S
 /// Adds gravity to the wrench of a body that woke within a step.
 fn accumulate_forces_of_one(columns: &mut WorldColumns<'_>, place: RowPlace, settings: &Settings) {
     if let Some(columns) = columns.dynamic_mut(place) {
-        let (row, chunk) = (place.row as usize, columns.chunk());
-        let force = chunk.gravity_on(row, settings.gravity);
-        chunk.wrench[row].force += force;
+        columns.chunk().accumulate_gravity(place.row as usize, settings.gravity);
     }
 }
 
@@ -202,11 +200,11 @@ impl<'a> InteractingWorld<'a> {
     pub(crate) fn accumulate_forces(&mut self) {
         let gravity = self.settings.gravity;
         let collision = self.interactions.collision.as_ref();
-        match collision.map(|it| (&it.body_index, it.sleepers.mask())).filter(|(_, asleep)| !asleep.is_empty()) {
+        match collision.map(|it| (&it.body_index, &it.sleepers.asleep)).filter(|(_, asleep)| !asleep.is_empty()) {
             Some((body_index, asleep)) => self.columns.for_each_chunk(|archetype, bodies| {
                 let slots = body_index.slots_in(archetype);
                 let first = bodies.first_row;
-                let is_awake = |i: usize| slots.get(first + i).is_none_or(|slot| !asleep[slot.index()]);
+                let is_awake = |i: usize| slots.get(first + i).is_none_or(|slot| !asleep.has(*slot));
                 accumulate_forces_where(bodies, gravity, is_awake);
             }),
             None => self.columns.for_each_chunk(|_, bodies| accumulate_forces_of(bodies, gravity)),
@@ -234,7 +232,7 @@ impl<'a> InteractingWorld<'a> {
                 for slot in collision.find_contacts(&self.columns, self.settings, &mechanisms.list) {
                     accumulate_forces_of_one(&mut self.columns, collision.body_index.place(slot), self.settings);
                 }
-                let (body_index, asleep) = (&collision.body_index, collision.sleepers.mask());
+                let (body_index, asleep) = (&collision.body_index, &collision.sleepers.asleep);
                 let pairs = collision.contacts.records.iter().map(|contact| contact.slots);
                 let pairs = pairs.chain(mechanisms.pairs(body_index, &self.columns, asleep));
                 constrained.find(pairs, body_index, &self.columns, asleep);
@@ -290,7 +288,7 @@ impl<'a> InteractingWorld<'a> {
         let Interactions { mechanisms, collision, .. } = &mut *self.interactions;
         let of_idle = mechanisms.list.idle_loads.iter().map(|place| (*place, JointLoad::default()));
         // Those that sleep carry what they did.
-        let sleeps = |slot: &Slot| collision.as_ref().is_some_and(|it| it.sleepers.is_asleep(*slot));
+        let sleeps = |slot: &Slot| collision.as_ref().is_some_and(|it| it.sleepers.asleep.has(*slot));
         let of_others = mechanisms.joint_loads(self.settings.dt);
         let of_others = of_others.filter(|(joint, _)| !joint.slots.iter().any(sleeps));
         let of_others = of_others.map(|(joint, load)| (joint.place, load));

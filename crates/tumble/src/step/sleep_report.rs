@@ -11,7 +11,7 @@ impl Simulation {
     /// disturbs it. See [`Sleep`](crate::Sleep).
     #[must_use]
     pub fn is_asleep(&self, body: Entity) -> bool {
-        self.collision().is_some_and(|it| it.slot_of(body).is_some_and(|slot| it.sleepers.is_asleep(slot)))
+        self.collision().is_some_and(|it| it.slot_of(body).is_some_and(|slot| it.sleepers.asleep.has(slot)))
     }
 
     /// The bodies that sleep, in the order of [`BodyOrder`](crate::BodyOrder).
@@ -23,10 +23,9 @@ impl Simulation {
     /// # Ok::<(), tumble::SettingsError>(())
     /// ```
     pub fn sleeping_bodies(&self) -> impl Iterator<Item = Entity> + '_ {
-        self.collision().into_iter().flat_map(|it| {
-            let asleep = (0..).map(Slot).zip(it.sleepers.mask()).filter(|(_, is_asleep)| **is_asleep);
-            asleep.map(|(slot, _)| it.cache.body_keys.entity(slot))
-        })
+        self.collision()
+            .into_iter()
+            .flat_map(|it| it.sleepers.asleep.slots().map(|slot| it.cache.body_keys.entity(slot)))
     }
 
     /// Wakes a body when the next step begins, and all that hang together with it. Steps wake what
@@ -43,8 +42,7 @@ impl Simulation {
     /// Wakes all bodies when the next step begins.
     pub fn wake_all(&mut self) {
         let Some(collision) = self.interactions.as_mut().and_then(|it| it.collision.as_mut()) else { return };
-        let all = collision.sleepers.mask().len() as u32;
-        collision.sleepers.disturbed.extend((0..all).map(Slot));
+        collision.sleepers.disturb_all();
     }
 }
 

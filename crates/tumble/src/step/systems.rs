@@ -180,12 +180,15 @@ pub(crate) fn accumulate_forces_of(bodies: &mut Chunk<'_>, gravity: Vec3) {
 /// The same for the bodies of some rows.
 pub(crate) fn accumulate_forces_where(bodies: &mut Chunk<'_>, gravity: Vec3, acts: impl Fn(usize) -> bool) {
     crate::scope::scope!("tumble::accumulate_forces");
-    for i in (0..bodies.len()).filter(|i| acts(*i)) {
-        bodies.wrench[i].force += bodies.gravity_on(i, gravity);
-    }
+    (0..bodies.len()).filter(|i| acts(*i)).for_each(|i| bodies.accumulate_gravity(i, gravity));
 }
 
 impl Chunk<'_> {
+    /// Adds gravity to the wrench of a body.
+    pub(crate) fn accumulate_gravity(&mut self, i: usize, gravity: Vec3) {
+        self.wrench[i].force += self.gravity_on(i, gravity);
+    }
+
     /// The force of gravity on a body \[N\].
     pub(crate) fn gravity_on(&self, i: usize, gravity: Vec3) -> Vec3 {
         self.gravity(i, self.mass[i].kilograms(), splat(gravity)).into()
@@ -243,12 +246,12 @@ pub(crate) fn integrate_unconstrained(
         return integrate_bodies(bodies, laws, settings, time, wrenches);
     };
     let slots = &slots[bodies.first_row..][..bodies.len()];
-    let is_unconstrained = |row: usize| !constrained.contains(slots[row]) && !constrained.is_asleep(slots[row]);
+    let is_unconstrained = |row: usize| !constrained.contains(slots[row]) && !constrained.sleepers.has(slots[row]);
     let rows = if laws.is_empty() { RowOrder::Any } else { RowOrder::OfArchetype };
     bodies.for_included(rows, is_unconstrained, |bodies| integrate_bodies(bodies, laws, settings, time, wrenches));
     if wrenches == Wrenches::Consumed {
         // What is added to a sleeping body, after it could wake it, waits for the next step.
-        let awake = bodies.wrench.iter_mut().zip(slots).filter(|(_, slot)| !constrained.is_asleep(**slot));
+        let awake = bodies.wrench.iter_mut().zip(slots).filter(|(_, slot)| !constrained.sleepers.has(**slot));
         awake.for_each(|(wrench, _)| *wrench = Wrench::default());
     }
 }

@@ -24,6 +24,16 @@ impl Slot {
     }
 }
 
+/// What was kept by slot, by the slots that bodies have now: `slots` are these by slot before, and
+/// `none` is what a body has of which nothing is known.
+pub(crate) fn by_new_slot<T: Clone>(before: Vec<T>, slots: &[Slot], count: usize, none: T) -> Vec<T> {
+    let mut now = vec![none; count];
+    for (it, slot) in before.into_iter().zip(slots).filter(|(_, slot)| **slot != Slot::NONE) {
+        now[slot.index()] = it;
+    }
+    now
+}
+
 /// The sort key of bodies: those without a [`BodyId`] come last, by the number of their entity.
 pub(crate) type Key = (bool, Option<BodyId>, u32);
 

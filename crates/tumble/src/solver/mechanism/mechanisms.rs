@@ -6,6 +6,7 @@ use tumble_math::lane::Vec3;
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_set::ContactSet;
 use crate::collision::islands::Islands;
+use crate::collision::sleep_mask::SleepMask;
 use crate::joints::axes::Axes;
 use crate::joints::axis_lock::AxisLock;
 use crate::joints::joint_list::{JointList, ListedGear, ListedJoint};
@@ -22,7 +23,7 @@ use crate::solver::mechanism::joint_rows::{Anchor, JointRows, length};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_solver::MechanismSolver;
 use crate::solver::solver_bodies::SolverBodies;
-use crate::storage::body_index::{BodyIndex, Slot};
+use crate::storage::body_index::{BodyIndex, Slot, by_new_slot};
 use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
 use crate::threads::InParts;
 
@@ -97,22 +98,16 @@ impl Mechanisms {
         &'a self,
         body_index: &'a BodyIndex,
         columns: &'a WorldColumns<'_>,
-        asleep: &'a [bool],
+        sleepers: &'a SleepMask,
     ) -> impl Iterator<Item = [Slot; 2]> + 'a {
         // All bodies of a mechanism sleep, or none.
-        let acts = move |slot: &Slot| {
-            let is_asleep = asleep.get(slot.index()).is_some_and(|it| *it);
-            !is_asleep && is_in_range(body_index, columns, *slot)
-        };
+        let acts = move |slot: &Slot| !sleepers.has(*slot) && is_in_range(body_index, columns, *slot);
         self.list.pairs().filter(move |slots| slots.iter().all(acts))
     }
 
     /// Gives the loads the slots that their bodies have now; `slots` are these by slot before.
     pub(crate) fn renumber(&mut self, slots: &[Slot], count: usize) {
-        let before = std::mem::replace(&mut self.loads, vec![0.0; count]);
-        for (load, slot) in before.into_iter().zip(slots).filter(|(_, slot)| **slot != Slot::NONE) {
-            self.loads[slot.index()] = load;
-        }
+        self.loads = by_new_slot(std::mem::take(&mut self.loads), slots, count, 0.0);
     }
 
     /// To be called before the first substep of every step.
@@ -234,7 +229,7 @@ impl Mechanisms {
             }
         }
         // Bodies without joints have none; those that sleep keep what they fell asleep with.
-        let awake = loads.iter_mut().enumerate().filter(|(slot, _)| !constrained.is_asleep(Slot(*slot as u32)));
+        let awake = loads.iter_mut().enumerate().filter(|(slot, _)| !constrained.sleepers.has(Slot(*slot as u32)));
         awake.for_each(|(_, load)| *load = 0.0);
     }
 
