@@ -63,7 +63,8 @@ impl Snapshot {
     /// The snapshot as bytes for a file or a peer: 144 bytes and 60 a body in single precision, 112
     /// in double, with up to 168 or 304 a contact, 32 or 48 a body that has any, that joints
     /// load or that is still, and 9 a breakable joint. Bodies are in the order of their
-    /// [`BodyId`]s, so the same state gives the same bytes, whatever the order they were spawned in.
+    /// [`BodyId`]s, so the same state gives the same bytes, whatever the order they were spawned
+    /// in.
     ///
     /// With the cargo feature `serde` a snapshot is serialised as these bytes.
     ///
