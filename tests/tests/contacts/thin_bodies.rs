@@ -139,7 +139,7 @@ fn worst_of(make: impl Fn(&mut Draw, Lengths) -> Shape) -> ((f64, u64), Vec<Stri
             rare.push(what);
         }
     }
-    if rare.len() as u64 > drops() / RARELY {
+    if rare.len() as u64 > drops().div_ceil(RARELY) {
         failed.append(&mut rare);
     }
     (worst, failed)
