@@ -35,6 +35,8 @@ pub(crate) struct BodyKeys {
     now: Vec<Slot>,
     /// The entities that are in the world now, by new slot.
     here: Vec<Entity>,
+    /// Whether the keys are those of the bodies that were found last.
+    are_of_bodies: bool,
 }
 
 /// Two bodies that touched, of which one is gone.
@@ -64,11 +66,11 @@ impl BodyKeys {
 
     /// Gives contacts the slots that the keys of their bodies have now, and drops those of bodies
     /// that are gone; `ended` are those of them that touched. Returns whether slots are others
-    /// than they were.
+    /// than they were; `are_known` says of the bodies whether they are those found the last time.
     pub(crate) fn renew(
         &mut self,
         world: &World,
-        body_index: &BodyIndex,
+        (body_index, are_known): (&BodyIndex, bool),
         contacts: [&mut Vec<ContactRecord>; 2],
         (ended, bereaved): (&mut Vec<EndedPair>, &mut Vec<Slot>),
     ) -> bool {
@@ -91,8 +93,11 @@ impl BodyKeys {
                 self.here[slot.index()] = entity;
             }
         }
-        let same = self.body_keys.len() == count
-            && (0..count).all(|slot| self.body_keys[slot] == member(slot) && !self.is_replaced(slot, slot));
+        let are_here = self.here == self.entities;
+        let has_keys = |keys: &Self| (0..count).all(|slot| keys.body_keys[slot] == member(slot));
+        let same = (are_known && self.are_of_bodies || self.body_keys.len() == count && has_keys(self))
+            && (are_here || (0..count).all(|slot| !self.is_replaced(slot, slot)));
+        self.are_of_bodies = true;
         if !same {
             self.match_keys(count, member);
             let Self { body_keys, entities, now, .. } = &*self;
@@ -116,7 +121,9 @@ impl BodyKeys {
             self.body_keys.clear();
             self.body_keys.extend((0..count).map(member));
         }
-        self.entities.clone_from(&self.here);
+        if !are_here {
+            self.entities.clone_from(&self.here);
+        }
         !same
     }
 
@@ -150,6 +157,7 @@ impl BodyKeys {
     /// Takes keys that are in order, and finds their entities in a world; what is not there is
     /// [`Entity::DANGLING`].
     pub(crate) fn set(&mut self, body_keys: &[BodyKey], world: &World) {
+        self.are_of_bodies = false;
         self.body_keys.clear();
         self.body_keys.extend_from_slice(body_keys);
         self.entities.clear();
@@ -171,6 +179,7 @@ impl BodyKeys {
 
     /// Forgets all.
     pub(crate) fn clear(&mut self) {
+        self.are_of_bodies = false;
         self.body_keys.clear();
         self.entities.clear();
     }

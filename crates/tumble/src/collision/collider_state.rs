@@ -11,6 +11,8 @@ use crate::storage::body_index::{Slot, by_new_slot};
 #[derive(Clone, Default)]
 pub(crate) struct ColliderStates {
     pub(crate) states: Vec<ColliderState>,
+    /// Apart from the states, for most are asked no more.
+    pub(crate) activity: Vec<Activity>,
     pub(crate) proxies: Vec<Proxy<Real>>,
     pub(crate) lanes: ShapeLanes,
 }
@@ -20,6 +22,17 @@ impl ColliderStates {
     pub(crate) fn renumber(&mut self, slots: &[Slot], count: usize) {
         self.states = by_new_slot(std::mem::take(&mut self.states), slots, count, ColliderState::NOWHERE);
     }
+}
+
+/// What a body with a collider does in a substep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Activity {
+    /// It is dynamic and awake.
+    Awake,
+    /// It is dynamic but sleeps, and is taken for one that is not.
+    Asleep,
+    /// It is not dynamic, or has no collider.
+    NotDynamic,
 }
 
 /// Where a body with a collider is at the start of a step.
@@ -32,8 +45,6 @@ pub(crate) struct ColliderState {
     /// Whether the body is dynamic and awake, and whether it is fixed.
     pub(crate) is_dynamic: bool,
     pub(crate) is_fixed: bool,
-    /// Whether it is dynamic but sleeps, and is taken for one that is not.
-    pub(crate) is_asleep: bool,
     /// How far from its surface another's may be to be a contact, with the other's reach added
     /// \[m\].
     pub(crate) reach: Real,
@@ -73,13 +84,9 @@ impl ColliderState {
         Proxy { aabb: Some(Aabb::about(Vec3::splat(Real::NAN), Vec3::zero())), moves: false }
     }
 
-    /// Its proxy in the broad phase, larger by `more` \[m\]. What senses is compared with what does
-    /// not move, too.
-    pub(crate) fn proxy(&self, geometry: &ColliderShape<Real>, more: Real, senses: bool) -> Proxy<Real> {
-        Proxy {
-            aabb: geometry.aabb(&self.placement, self.reach + more),
-            moves: self.is_dynamic || self.is_asleep || senses,
-        }
+    /// Its proxy in the broad phase, larger by `more` \[m\].
+    pub(crate) fn proxy(&self, geometry: &ColliderShape<Real>, more: Real, moves: bool) -> Proxy<Real> {
+        Proxy { aabb: geometry.aabb(&self.placement, self.reach + more), moves }
     }
 
     /// Known by its centre of mass alone.
@@ -100,7 +107,6 @@ impl ColliderState {
             kind: LaneKind::Other,
             is_dynamic: false,
             is_fixed: false,
-            is_asleep: false,
             reach: 0.0,
             margin: 0.0,
             half_thickness: 0.0,

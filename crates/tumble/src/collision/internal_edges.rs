@@ -7,7 +7,7 @@
 use tumble_collide::ColliderShape;
 use tumble_math::lane::Vec3;
 
-use crate::collision::collider_state::ColliderState;
+use crate::collision::collider_state::{Activity, ColliderState};
 use crate::collision::compound_parts::numbers;
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_set::ContactSet;
@@ -143,7 +143,9 @@ impl CollisionPipeline {
             let way = state.motion.way;
             way.dot(way) > SLIDES * SLIDES * margin * margin
         };
-        if !states.iter().any(|state| state.is_dynamic && slides(state, state.margin)) {
+        let mut awake =
+            states.iter().zip(&collider_states.activity).filter(|(_, activity)| **activity == Activity::Awake);
+        if !awake.any(|(state, _)| slides(state, state.margin)) {
             return;
         }
         internal_edges.find_sliding(contacts, states);

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use tumble_collide::BroadPhase;
 
 use crate::collision::collider::Groups;
-use crate::collision::collider_state::{ColliderState, ColliderStates};
+use crate::collision::collider_state::{Activity, ColliderState, ColliderStates};
 use crate::collision::narrow_phase::{LaneKind, Pairs};
 use crate::collision::pair_limit::{PairLimit, most_listed};
 use crate::joints::joint_list::JointList;
@@ -54,19 +54,19 @@ impl NearPairs {
     /// of two is dynamic, it is the second.
     pub(crate) fn find(
         &mut self,
-        ColliderStates { states, proxies, .. }: &ColliderStates,
+        ColliderStates { states, activity, proxies, .. }: &ColliderStates,
         roles: Roles<'_>,
         broad_phase: &mut BroadPhase<Real>,
         joints: &JointList,
     ) {
         let Self { found, limit, cuboids, spheres, others, sensed } = self;
         let Roles { groups, sensors } = roles;
+        let is_awake = |slot: u32| activity[slot as usize] == Activity::Awake;
         let senses =
             |a: u32, b: u32| [a, b].iter().any(|slot| sensors.get(*slot as usize).is_some_and(|it| it.has_sensor));
         let pushes = |a: u32, b: u32| {
             let are_solid = [a, b].iter().all(|slot| sensors.get(*slot as usize).is_none_or(|it| it.has_solid));
-            let is_any_dynamic = states[a as usize].is_dynamic || states[b as usize].is_dynamic;
-            are_solid && is_any_dynamic && !joints.keeps_apart([Slot(a), Slot(b)])
+            are_solid && (is_awake(a) || is_awake(b)) && !joints.keeps_apart([Slot(a), Slot(b)])
         };
         let wanted = |a: u32, b: u32| {
             groups[a as usize].touch(groups[b as usize]) && (senses(a, b) || !joints.keeps_apart([Slot(a), Slot(b)]))
@@ -81,7 +81,6 @@ impl NearPairs {
                 near.extend(candidates.iter().filter_map(|&(first, second)| {
                     // Which others are candidates depends on what was before; the contacts must
                     // not.
-                    let is_awake = |slot: u32| states[slot as usize].is_dynamic;
                     let is_sought = is_awake(first) || is_awake(second) || !sensors.is_empty();
                     let is_near = is_sought && proxies[first as usize].is_near(&proxies[second as usize]);
                     is_near.then(|| near_pair(states, (first, second)))

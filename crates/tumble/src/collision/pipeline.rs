@@ -111,11 +111,11 @@ impl Colliders {
         // Groups and materials are by slot too.
         let mut is_same = same_slots && list.len() == body_index.len();
         list.resize(body_index.len(), None);
-        body_index.for_each_archetype(world, |archetype, places| {
+        for (archetype, places) in body_index.archetypes(world) {
             let column = archetype.get::<&Collider>();
             let offsets = archetype.get::<&CenterOfMass>();
             let offset = |row: usize| offsets.as_deref().map_or(WorldVec3::ZERO, |offsets| offsets[row].0);
-            places.for_each(|(row, slot)| {
+            for (row, slot) in places {
                 let collider = column.as_deref().map(|column| (&column[row], offset(row)));
                 let known = &mut list[slot.index()];
                 if !is_known(known.as_ref(), collider) {
@@ -124,8 +124,8 @@ impl Colliders {
                     *known = collider.map(|(collider, offset)| (collider.clone(), offset));
                     is_same = false;
                 }
-            });
-        });
+            }
+        }
         *are_changed = !is_same;
         if is_same {
             return true;
@@ -165,9 +165,9 @@ impl CollisionPipeline {
     ///
     /// Returns whether all slots are what they were.
     pub(crate) fn update(&mut self, world: &World, joints: &JointEnds) -> bool {
-        self.body_index.find(world, |archetype, mark| {
+        let are_known = self.body_index.find(world, |archetype, marks| {
             if archetype.has::<Collider>() || archetype.has::<LockedAxes>() || joints.connect_any_of(archetype) {
-                archetype.ids().iter().for_each(|id| mark(*id));
+                marks.mark_archetype();
             }
         });
         let Self {
@@ -184,7 +184,7 @@ impl CollisionPipeline {
             ..
         } = self;
         let of_sleepers = &mut sleepers.contacts;
-        let same_slots = cache.renumber(world, body_index, [&mut contacts.records, of_sleepers]);
+        let same_slots = cache.renumber(world, (body_index, are_known), [&mut contacts.records, of_sleepers]);
         if !same_slots {
             let now = cache.body_keys.renumbered();
             collider_states.renumber(now, body_index.len());

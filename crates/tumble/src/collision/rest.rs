@@ -8,7 +8,7 @@ use crate::collision::contact_ways::length;
 use crate::collision::pipeline::CollisionPipeline;
 use crate::collision::sleep::{Rest, Sleepers, moves};
 use crate::collision::traveller::energy;
-use crate::components::{Momentum, Velocity, Wrench};
+use crate::components::{Momentum, Pose, Velocity, Wrench};
 use crate::forces::registry::ForceLaws;
 use crate::integrators::derived::derived;
 use crate::joints::axis_lock::LockedSlot;
@@ -263,8 +263,19 @@ impl Rest {
 
     /// Whether a sleeping body is not what it was.
     fn differs(&self, chunk: &Chunk<'_>, row: usize) -> bool {
-        self.pose != Some(chunk.pose[row]) || self.weight != weight_of(chunk, row)
+        let now = numbers_of(&chunk.pose[row]);
+        let is_there = self.pose.is_some_and(|before| {
+            // Bits are compared without a branch between them, for they are mostly equal.
+            numbers_of(&before).iter().zip(now).fold(0, |all, (before, now)| all | (before.to_bits() ^ now.to_bits()))
+                == 0
+        });
+        !is_there || self.weight != weight_of(chunk, row)
     }
+}
+
+fn numbers_of(Pose { position, orientation }: &Pose) -> [Real; 7] {
+    let ([a, b, c], [d, e, f, g]) = (position.to_array(), orientation.to_array());
+    [a, b, c, d, e, f, g]
 }
 
 /// Mass by scale of gravity \[kg\].
@@ -274,7 +285,10 @@ fn weight_of(chunk: &Chunk<'_>, row: usize) -> Real {
 
 /// Whether a body was given a momentum or a force.
 fn is_pushed(chunk: &Chunk<'_>, row: usize) -> bool {
-    chunk.momentum[row] != Momentum::default() || chunk.wrench[row] != Wrench::default()
+    let (Momentum { linear, angular }, Wrench { force, torque }) = (&chunk.momentum[row], &chunk.wrench[row]);
+    let bits = |vector: &WorldVec3| vector.x.to_bits() | vector.y.to_bits() | vector.z.to_bits();
+    // All but the sign, which nothing may have too.
+    (bits(linear) | bits(angular) | bits(force) | bits(torque)) << 1 != 0
 }
 
 /// How far a body reaches from its centre of mass \[m\]; where it has no collider, as far as its

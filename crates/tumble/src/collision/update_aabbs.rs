@@ -4,7 +4,7 @@ use tumble_collide::{Isometry, Proxy};
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::collider::Collider;
-use crate::collision::collider_state::{ColliderState, ColliderStates, Motion};
+use crate::collision::collider_state::{Activity, ColliderState, ColliderStates, Motion};
 use crate::collision::narrow_phase::{LaneKind, ShapeLanesPart};
 use crate::collision::near_pairs::SensorRole;
 use crate::collision::pipeline::CollisionPipeline;
@@ -23,7 +23,7 @@ impl CollisionPipeline {
     pub(crate) fn update_aabbs(&mut self, columns: &WorldColumns<'_>, intervals: Intervals) {
         let Self {
             body_index,
-            collider_states: ColliderStates { states, proxies, lanes },
+            collider_states: ColliderStates { states, activity, proxies, lanes },
             colliders,
             sleepers,
             are_states_known,
@@ -35,6 +35,8 @@ impl CollisionPipeline {
             lanes.reset(count);
             states.clear();
             states.resize(count, ColliderState::NOWHERE);
+            activity.clear();
+            activity.resize(count, Activity::NotDynamic);
             proxies.clear();
             proxies.resize(count, ColliderState::no_proxy());
         }
@@ -47,6 +49,7 @@ impl CollisionPipeline {
                 let update = AabbUpdate {
                     colliders: &colliders.list[slots.clone()],
                     states: &mut states[slots.clone()],
+                    activity: &mut activity[slots.clone()],
                     proxies: &mut proxies[slots.clone()],
                     lanes: lanes.part(slots.clone()),
                     sensors: colliders.sensors.get(slots.clone()).unwrap_or_default(),
@@ -74,6 +77,7 @@ pub(crate) struct Intervals {
 struct AabbUpdate<'a> {
     colliders: &'a [Option<(Collider, WorldVec3)>],
     states: &'a mut [ColliderState],
+    activity: &'a mut [Activity],
     proxies: &'a mut [Proxy<Real>],
     lanes: ShapeLanesPart<'a>,
     /// Empty where there are none.
@@ -91,6 +95,7 @@ impl AabbUpdate<'_> {
         }
         let (colliders, other_colliders) = self.colliders.split_at(middle);
         let (states, other_states) = self.states.split_at_mut(middle);
+        let (activity, other_activity) = self.activity.split_at_mut(middle);
         let (proxies, other_proxies) = self.proxies.split_at_mut(middle);
         let (lanes, other_lanes) = self.lanes.split_at(middle);
         let (sensors, other_sensors) = self.sensors.split_at(middle.min(self.sensors.len()));
@@ -98,12 +103,13 @@ impl AabbUpdate<'_> {
         let others = AabbUpdate {
             colliders: other_colliders,
             states: other_states,
+            activity: other_activity,
             proxies: other_proxies,
             lanes: other_lanes,
             sensors: other_sensors,
             asleep: other_asleep,
         };
-        let these = AabbUpdate { colliders, states, proxies, lanes, sensors, asleep };
+        let these = AabbUpdate { colliders, states, activity, proxies, lanes, sensors, asleep };
         threads::join(
             || these.run(bodies.rows(0..middle), intervals),
             || others.run(bodies.rows(middle..bodies.pose.len()), intervals),
@@ -116,7 +122,7 @@ impl AabbUpdate<'_> {
 
     fn update(&mut self, i: usize, bodies: PoseView<'_>, Intervals { interval, ahead: ahead_of, drop }: Intervals) {
         let is_asleep = self.is_asleep(i);
-        if is_asleep && self.states[i].is_asleep {
+        if is_asleep && self.activity[i] == Activity::Asleep {
             // It is where it was.
             return;
         }
@@ -166,11 +172,16 @@ impl AabbUpdate<'_> {
         let is_fixed = bodies.dynamic.is_none() && bodies.velocity.is_none();
         let awake =
             ColliderState { placement, center, kind, is_dynamic, is_fixed, half_thickness, ..ColliderState::NOWHERE };
-        self.states[i] = ColliderState { is_asleep, reach, margin, velocity, motion, ..awake };
-        // Sensors look all of the way ahead, and at what turns.
+        self.states[i] = ColliderState { reach, margin, velocity, motion, ..awake };
+        self.activity[i] = match (is_dynamic, is_asleep) {
+            (true, _) => Activity::Awake,
+            (false, true) => Activity::Asleep,
+            (false, false) => Activity::NotDynamic,
+        };
+        // Sensors look all of the way ahead, at what turns, and at what does not move.
         let more = if self.sensors.is_empty() { 0.0 } else { sensed_ahead(way, &motion) };
         let senses = self.sensors.get(i).is_some_and(|role| role.has_sensor);
-        self.proxies[i] = self.states[i].proxy(geometry, more, senses);
+        self.proxies[i] = self.states[i].proxy(geometry, more, is_dynamic || is_asleep || senses);
     }
 }
 

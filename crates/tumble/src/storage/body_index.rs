@@ -1,5 +1,7 @@
 //! Bodies that act on each other, by forces or contacts, gathered from their archetypes.
 
+use std::ops::Range;
+
 use hecs::{Archetype, World};
 
 use crate::components::{BodyId, Pose, Velocity};
@@ -66,45 +68,99 @@ pub(crate) struct BodyView {
 #[derive(Clone, Default)]
 pub(crate) struct BodyIndex {
     members: Vec<BodyPlace>,
-    /// By entity number, whether it is concerned.
-    marks: Vec<bool>,
+    marks: Marks,
     /// By entity number.
     slots: Vec<Slot>,
     /// The slots in the order of places.
     by_place: Vec<Slot>,
+    /// In the order of places: the numbers of entities, and their ids.
+    entities: Vec<u32>,
+    ids: Vec<Option<BodyId>>,
     /// By archetype, where its slots begin in that order; and where the last end.
     begins: Vec<u32>,
     pub(crate) views: Vec<BodyView>,
 }
 
-impl BodyIndex {
-    /// Finds the bodies among the entities that are marked, by number, when each archetype of the
-    /// world is gone through.
-    pub(crate) fn find(&mut self, world: &World, marked: impl Fn(&Archetype, &mut dyn FnMut(u32))) {
-        let mut marks = std::mem::take(&mut self.marks);
-        marks.clear();
-        for archetype in world.archetypes().filter(|archetype| !archetype.is_empty()) {
-            marked(archetype, &mut |entity| mark(&mut marks, entity as usize));
+/// The entities among which bodies are found.
+#[derive(Clone, Default)]
+pub(crate) struct Marks {
+    /// By number.
+    entities: Vec<bool>,
+    /// By the index of an archetype, whether all of its entities are marked.
+    archetypes: Vec<bool>,
+}
+
+impl Marks {
+    /// Marks an entity by its number.
+    pub(crate) fn mark(&mut self, entity: u32) {
+        let entity = entity as usize;
+        if self.entities.len() <= entity {
+            self.entities.resize(entity + 1, false);
         }
-        // From step to step they are mostly the same, and need not be sorted again.
-        let known = self.by_place.iter().map(|slot| self.members[slot.index()]);
-        if !known.eq(found(world, &marks)) {
-            self.list(found(world, &marks));
-        }
-        self.begins.clear();
-        let mut begin = 0;
-        for (index, _) in world.archetypes().enumerate() {
-            self.begins.push(begin as u32);
-            let is_here = |slot: &&Slot| self.members[slot.index()].place.archetype as usize == index;
-            begin += self.by_place[begin..].iter().take_while(is_here).count();
-        }
-        self.begins.push(begin as u32);
-        self.marks = marks;
+        self.entities[entity] = true;
     }
 
+    /// Marks all entities of the archetype that is shown.
+    pub(crate) fn mark_archetype(&mut self) {
+        if let Some(last) = self.archetypes.last_mut() {
+            *last = true;
+        }
+    }
+
+    fn has(&self, entity: u32) -> bool {
+        self.entities.get(entity as usize).is_some_and(|mark| *mark)
+    }
+
+    fn has_all_of(&self, archetype: usize) -> bool {
+        self.archetypes.get(archetype).is_some_and(|mark| *mark)
+    }
+}
+
+impl BodyIndex {
+    /// Finds the bodies among the entities that are marked when each archetype of the world is
+    /// shown. Returns whether all are those of the last time, in the same places.
+    pub(crate) fn find(&mut self, world: &World, marked: impl Fn(&Archetype, &mut Marks)) -> bool {
+        let mut marks = std::mem::take(&mut self.marks);
+        marks.entities.clear();
+        marks.archetypes.clear();
+        for archetype in world.archetypes() {
+            marks.archetypes.push(false);
+            if !archetype.is_empty() {
+                marked(archetype, &mut marks);
+            }
+        }
+        // From step to step they are mostly the same, and need not be sorted again.
+        let is_same = self.is_known(world, &marks);
+        if !is_same {
+            self.list(archetypes_of_bodies(world).flat_map(|it| found(it, &marks)));
+        }
+        self.marks = marks;
+        is_same
+    }
+
+    /// Whether the bodies among marked entities are those that were listed, in the same places.
+    fn is_known(&self, world: &World, marks: &Marks) -> bool {
+        let mut count = 0;
+        for (index, archetype) in archetypes_of_bodies(world) {
+            let part = self.part(index);
+            count += part.len();
+            let is_same = if marks.has_all_of(index) {
+                let ids = archetype.get::<&BodyId>();
+                let id = |row: usize| ids.as_deref().map(|ids| ids[row]);
+                archetype.ids() == &self.entities[part.clone()] && are_equal(&self.ids[part], id)
+            } else {
+                let known = self.by_place[part].iter().map(|slot| self.members[slot.index()]);
+                known.eq(found((index, archetype), marks))
+            };
+            if !is_same {
+                return false;
+            }
+        }
+        count == self.by_place.len()
+    }
     /// Gives slots to bodies, which come in the order of their places.
     fn list(&mut self, found: impl Iterator<Item = BodyPlace>) {
-        let Self { members, slots, by_place, .. } = self;
+        let Self { members, slots, by_place, entities, ids, begins, .. } = self;
         members.clear();
         members.extend(found);
         if !members.is_sorted() {
@@ -123,6 +179,15 @@ impl BodyIndex {
         let place = |slot: &Slot| members[slot.index()].place;
         if !by_place.is_sorted_by_key(place) {
             by_place.sort_unstable_by_key(place);
+        }
+        entities.clear();
+        entities.extend(by_place.iter().map(|slot| members[slot.index()].key.2));
+        ids.clear();
+        ids.extend(by_place.iter().map(|slot| members[slot.index()].key.1));
+        begins.clear();
+        for (place, slot) in by_place.iter().enumerate() {
+            let archetype = members[slot.index()].place.archetype as usize;
+            begins.resize(begins.len().max(archetype + 1), place as u32);
         }
     }
 
@@ -149,28 +214,32 @@ impl BodyIndex {
     /// The slots of the bodies in an archetype, by its index, in the order of rows: those of all
     /// its rows where archetypes are marked as a whole.
     pub(crate) fn slots_in(&self, archetype: usize) -> &[Slot] {
-        match self.begins.get(archetype..archetype + 2) {
-            Some(&[begin, end]) => &self.by_place[begin as usize..end as usize],
-            _ => &[],
-        }
+        &self.by_place[self.part(archetype)]
+    }
+
+    /// The bodies in an archetype, in the order of places.
+    fn part(&self, archetype: usize) -> Range<usize> {
+        let begin = |archetype| self.begins.get(archetype).map_or(self.by_place.len(), |begin| *begin as usize);
+        begin(archetype)..begin(archetype + 1)
     }
 
     pub(crate) fn len(&self) -> usize {
         self.members.len()
     }
 
-    /// Calls `then` for each archetype with members, and the row and slot of each of them there.
-    pub(crate) fn for_each_archetype(
-        &self,
-        world: &World,
-        mut then: impl FnMut(&Archetype, &mut dyn Iterator<Item = (usize, Slot)>),
-    ) {
-        for (index, archetype) in world.archetypes().enumerate() {
-            let slots = self.slots_in(index).iter();
-            if slots.len() > 0 {
-                then(archetype, &mut slots.map(|slot| (self.place(*slot).row as usize, *slot)));
-            }
-        }
+    /// The archetypes with members, and the row and slot of each of them there.
+    pub(crate) fn archetypes<'a>(
+        &'a self,
+        world: &'a World,
+    ) -> impl Iterator<Item = (&'a Archetype, impl Iterator<Item = (usize, Slot)> + 'a)> {
+        world.archetypes().enumerate().filter_map(move |(index, archetype)| {
+            let slots = self.slots_in(index);
+            let has_all = slots.len() == archetype.len() as usize;
+            let row = move |(place, slot): (usize, &Slot)| {
+                (if has_all { place } else { self.place(*slot).row as usize }, *slot)
+            };
+            (!slots.is_empty()).then(|| (archetype, slots.iter().enumerate().map(row)))
+        })
     }
 
     /// Reads the state of all.
@@ -182,25 +251,24 @@ impl BodyIndex {
     }
 }
 
-fn mark(marks: &mut Vec<bool>, entity: usize) {
-    if marks.len() <= entity {
-        marks.resize(entity + 1, false);
-    }
-    marks[entity] = true;
+/// Archetypes of bodies, with their indices.
+fn archetypes_of_bodies(world: &World) -> impl Iterator<Item = (usize, &Archetype)> {
+    world.archetypes().enumerate().filter(|(_, archetype)| archetype.has::<Pose>())
 }
 
-/// The bodies among marked entities, in the order of their places: hecs goes through archetypes and
-/// rows in theirs.
-fn found<'a>(world: &'a World, marks: &'a [bool]) -> impl Iterator<Item = BodyPlace> + 'a {
-    let archetypes = world.archetypes().enumerate().filter(|(_, archetype)| archetype.has::<Pose>());
-    archetypes.flat_map(move |(index, archetype)| {
-        let ids = archetype.get::<&BodyId>();
-        archetype.ids().iter().enumerate().filter_map(move |(row, &entity)| {
-            let id = ids.as_deref().map(|ids| ids[row]);
-            let place = RowPlace { archetype: index as u32, row: row as u32 };
-            let is_marked = marks.get(entity as usize).is_some_and(|mark| *mark);
-            is_marked.then_some(BodyPlace { key: (id.is_none(), id, entity), place })
-        })
+/// Compares all without a branch between them, for they are mostly equal.
+fn are_equal(known: &[Option<BodyId>], now: impl Fn(usize) -> Option<BodyId>) -> bool {
+    known.iter().enumerate().fold(true, |are_equal, (row, known)| are_equal & (*known == now(row)))
+}
+
+/// The bodies among the marked entities of an archetype, in the order of rows.
+fn found<'a>((index, archetype): (usize, &'a Archetype), marks: &'a Marks) -> impl Iterator<Item = BodyPlace> + 'a {
+    let ids = archetype.get::<&BodyId>();
+    archetype.ids().iter().enumerate().filter_map(move |(row, &entity)| {
+        let id = ids.as_deref().map(|ids| ids[row]);
+        let place = RowPlace { archetype: index as u32, row: row as u32 };
+        let is_marked = marks.has_all_of(index) || marks.has(entity);
+        is_marked.then_some(BodyPlace { key: (id.is_none(), id, entity), place })
     })
 }
 
@@ -258,5 +326,75 @@ impl BodyView {
         view.derived.linear = velocity.linear.into();
         view.derived.angular = velocity.angular.into();
         view
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use hecs::Entity;
+
+    use super::*;
+
+    /// Entities with this component are found, with all others of their archetypes.
+    struct Whole;
+
+    /// It marks this entity.
+    struct Mark(Entity);
+
+    fn find(index: &mut BodyIndex, world: &World) -> bool {
+        index.find(world, |archetype, marks| {
+            if archetype.has::<Whole>() {
+                marks.mark_archetype();
+            }
+            for Mark(entity) in archetype.get::<&Mark>().iter().flat_map(|column| column.iter()) {
+                marks.mark(entity.id());
+            }
+        })
+    }
+
+    /// What is known from the last time gives what is found from nothing.
+    #[test]
+    fn an_index_that_is_kept_is_one_that_is_made() {
+        let mut state = 7_u64;
+        let mut draw = |below: usize| {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 33) as usize % below.max(1)
+        };
+        let (mut worlds, mut kept) = ([World::new(), World::new()], BodyIndex::default());
+        let mut all: [Vec<Entity>; 2] = [Vec::new(), Vec::new()];
+        let mut known = 0;
+        for _ in 0..4000 {
+            let which = usize::from(draw(10) == 0);
+            let (world, all) = (&mut worlds[which], &mut all[which]);
+            let any = all.get(draw(all.len())).copied();
+            let id = BodyId(draw(20) as u64);
+            match (draw(12), any) {
+                (0 | 1, _) if all.len() < 30 => all.push(world.spawn((Pose::default(), Whole, id))),
+                (2, _) if all.len() < 30 => all.push(world.spawn((Pose::default(), id))),
+                (3, _) if all.len() < 30 => all.push(world.spawn((Pose::default(), Whole))),
+                (4, Some(any)) => world.insert_one(any, id).unwrap(),
+                (5, Some(any)) => drop(world.remove_one::<BodyId>(any)),
+                (6, Some(any)) => all.push(world.spawn((Mark(any),))),
+                (7, Some(any)) => {
+                    world.despawn(any).unwrap();
+                    all.retain(|entity| *entity != any);
+                }
+                (8, Some(any)) => drop(world.remove_one::<Whole>(any)),
+                _ => {}
+            }
+            let mut made = BodyIndex::default();
+            find(&mut made, world);
+            let before: Vec<_> = kept.all().map(|slot| (kept.key(slot), kept.place(slot))).collect();
+            let is_same = find(&mut kept, world);
+            let now: Vec<_> = kept.all().map(|slot| (kept.key(slot), kept.place(slot))).collect();
+            assert!(now.iter().copied().eq(made.all().map(|slot| (made.key(slot), made.place(slot)))));
+            assert_eq!(is_same, now == before);
+            let archetypes = world.archetypes().len();
+            assert!((0..archetypes + 2).all(|archetype| kept.slots_in(archetype) == made.slots_in(archetype)));
+            let rows = kept.archetypes(world).flat_map(|(_, rows)| rows);
+            assert!(rows.eq(kept.by_place.iter().map(|slot| (kept.place(*slot).row as usize, *slot))));
+            known += usize::from(is_same && !now.is_empty());
+        }
+        assert!((1000..3000).contains(&known), "{known}");
     }
 }

@@ -38,13 +38,13 @@ impl PairForces {
     /// Lists the springs and gravity sources of a world. To be called again when anything was
     /// spawned, despawned or changed but momentum and pose.
     pub(crate) fn find(&mut self, world: &World) {
-        self.body_index.find(world, |archetype, mark| {
+        self.body_index.find(world, |archetype, marks| {
             if let Some(springs) = archetype.get::<&Spring>() {
                 let ends = springs.iter().flat_map(|spring| spring.bodies);
-                ends.filter(|end| world.contains(*end)).for_each(|end| mark(end.id()));
+                ends.filter(|end| world.contains(*end)).for_each(|end| marks.mark(end.id()));
             }
             if archetype.has::<GravityMass>() {
-                archetype.ids().iter().for_each(|id| mark(*id));
+                marks.mark_archetype();
             }
         });
         self.springs.find(world, &self.body_index);
@@ -52,11 +52,11 @@ impl PairForces {
         self.masses.resize(self.body_index.len(), None);
         self.attracting.clear();
         let Self { body_index, attracting, .. } = self;
-        body_index.for_each_archetype(world, |archetype, places| {
+        for (archetype, places) in body_index.archetypes(world) {
             if let Some(column) = archetype.get::<&GravityMass>() {
                 attracting.extend(places.map(|(row, slot)| (slot.index(), column[row])));
             }
-        });
+        }
         self.attracting.sort_unstable_by_key(|(slot, _)| *slot);
         for (index, (slot, _)) in self.attracting.iter().enumerate() {
             self.masses[*slot] = Some(index);
