@@ -1,8 +1,10 @@
 //! Drawing: shapes with light and shadow, and the text over them.
 
 use macroquad::prelude as mq;
+use tumble::glam::DVec3;
 use tumble::prelude::*;
 use tumble_character::CharacterState;
+use tumble_import::Tessellation;
 use tumble_vehicle::{Vehicle, VehicleState};
 
 use crate::game::Game;
@@ -15,9 +17,6 @@ const HERO: [f32; 3] = [0.16, 0.62, 0.56];
 const DARK: [f32; 3] = [0.14, 0.16, 0.20];
 const HELP: &str = "WASD move, shift run, space jump, C crouch, left click shoot, right click pull, \
                     E car, R restart, T slow, Tab mouse, Esc quit";
-
-/// Points and normals, and which three make a triangle.
-type Surface = (Vec<(Vec3, Vec3)>, Vec<u16>);
 
 /// A vector as macroquad takes it, which has a version of glam of its own.
 pub(crate) fn screen(vector: impl Into<tumble::glam::DVec3>) -> mq::Vec3 {
@@ -33,7 +32,7 @@ pub(crate) fn draw_world(game: &Game, alpha: Real, camera: &mq::Camera3D, yaw: R
     for (pose, previous, center, look) in bodies.iter() {
         let between = previous.map_or(*pose, |it| it.0.interpolate(pose, alpha));
         let origin = Pose { position: between.origin(center), ..between };
-        look.0.iter().for_each(|piece| draw_shape(&piece.shape, &(origin * piece.pose), piece.color));
+        look.0.iter().for_each(|piece| draw_surface(&piece.surface, &(origin * piece.pose), piece.color));
     }
     draw_wheels(game, alpha);
     if !game.player.driving {
@@ -97,93 +96,33 @@ fn draw_ground() {
     }
 }
 
-/// A shape by the light of the sun, and its shadow on the ground.
-fn draw_shape(shape: &Shape, pose: &Pose, [r, g, b]: [f32; 3]) {
-    let surface = surface(shape);
-    let lit = |_: Vec3, normal: Vec3| {
-        let light = (pose.orientation * normal).dot(SUN);
-        let sky = (pose.orientation * normal).y;
-        let shade = screen(Vec3::splat(0.66 + 0.32 * light.max(0.0) + 0.10 * sky)).x;
+fn draw_shape(shape: &Shape, pose: &Pose, color: [f32; 3]) {
+    draw_surface(&Tessellation::of(shape), pose, color);
+}
+
+/// A surface by the light of the sun, and its shadow on the ground.
+fn draw_surface(surface: &Tessellation, pose: &Pose, [r, g, b]: [f32; 3]) {
+    let lit = |normal: Vec3| {
+        let normal = pose.orientation * normal;
+        let shade = screen(Vec3::splat(0.66 + 0.32 * normal.dot(SUN).max(0.0) + 0.10 * normal.y)).x;
         mq::Color::new(r * shade, g * shade, b * shade, 1.0)
     };
-    draw_surface(&surface, lit, |point| pose.transform_point(point));
-    draw_surface(
-        &surface,
-        |_, _| SHADOW,
-        |point| {
-            let at = pose.transform_point(point);
-            (at - SUN * (at.y.max(0.0) / SUN.y)).with_y(0.012)
-        },
-    );
-}
-
-fn draw_surface((points, triangles): &Surface, color: impl Fn(Vec3, Vec3) -> mq::Color, to: impl Fn(Vec3) -> Vec3) {
-    let vertex =
-        |(point, normal): &(Vec3, Vec3)| mq::Vertex::new2(screen(to(*point)), mq::Vec2::ZERO, color(*point, *normal));
-    let vertices = points.iter().map(vertex).collect();
-    mq::draw_mesh(&mq::Mesh { vertices, indices: triangles.clone(), texture: None });
-}
-
-/// Points of what the yard is made of: boxes, and what is round about y.
-fn surface(shape: &Shape) -> Surface {
-    match *shape {
-        Shape::Cuboid { half_extents } => cuboid(Vec3::from_array(half_extents.to_array().map(|it| it as Real))),
-        Shape::Sphere { radius } => round(radius as Real, 0.0),
-        Shape::Capsule { radius, half_height } => round(radius as Real, half_height as Real),
-        Shape::Cylinder { radius, half_height } => {
-            let (r, h) = (radius as Real, half_height as Real);
-            turned(&[
-                [0.0, h, 0.0, 1.0],
-                [r, h, 0.0, 1.0],
-                [r, h, 1.0, 0.0],
-                [r, -h, 1.0, 0.0],
-                [r, -h, 0.0, -1.0],
-                [0.0, -h, 0.0, -1.0],
-            ])
-        }
-        _ => Surface::default(),
-    }
-}
-
-fn cuboid(half: Vec3) -> Surface {
-    let mut surface = Surface::default();
-    for (i, axis) in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().enumerate() {
-        let [a, b] = [[Vec3::Y, Vec3::Z], [Vec3::Z, Vec3::X], [Vec3::X, Vec3::Y]][i];
-        for normal in [axis, -axis] {
-            let first = surface.0.len() as u16;
-            surface.0.extend([-a - b, a - b, a + b, b - a].map(|corner| ((normal + corner) * half, normal)));
-            surface.1.extend([0, 1, 2, 0, 2, 3].map(|it| first + it));
-        }
-    }
-    surface
-}
-
-/// A ball, or a capsule where its halves are apart.
-fn round(radius: Real, half: Real) -> Surface {
-    let ring = |i: u8| {
-        let (sin, cos) = (Real::from(i) * (std::f64::consts::PI / 13.0) as Real).sin_cos();
-        [radius * sin, radius * cos + if i < 7 { half } else { -half }, sin, cos]
+    draw_triangles(surface, lit, |point| pose.transform_point(point));
+    let to_shadow = |point| {
+        let at = pose.transform_point(point);
+        (at - SUN * (at.y.max(0.0) / SUN.y)).with_y(0.012)
     };
-    turned(&std::array::from_fn::<_, 14, _>(|i| ring(i as u8)))
+    draw_triangles(surface, |_| SHADOW, to_shadow);
 }
 
-/// A line of radius, height and normal that is turned about y.
-fn turned(profile: &[[Real; 4]]) -> Surface {
-    const AROUND: u16 = 24;
-    let mut surface = Surface::default();
-    for [radius, height, out, up] in profile {
-        for i in 0..AROUND {
-            let (sin, cos) = (Real::from(i) * (std::f64::consts::TAU / 24.0) as Real).sin_cos();
-            surface.0.push((Vec3::new(radius * cos, *height, radius * sin), Vec3::new(out * cos, *up, out * sin)));
-        }
-    }
-    for ring in 1..profile.len() as u16 {
-        for i in 0..AROUND {
-            let [a, b] = [i, (i + 1) % AROUND].map(|it| ring * AROUND + it);
-            surface.1.extend([a, b, a - AROUND, b, b - AROUND, a - AROUND]);
-        }
-    }
-    surface
+fn draw_triangles(surface: &Tessellation, color: impl Fn(Vec3) -> mq::Color, to: impl Fn(Vec3) -> Vec3) {
+    let vertex = |(point, normal): (&DVec3, &DVec3)| {
+        let [point, normal] = [point, normal].map(|vector| Vec3::from_array(vector.to_array().map(|it| it as Real)));
+        mq::Vertex::new2(screen(to(point)), mq::Vec2::ZERO, color(normal))
+    };
+    let vertices = surface.positions.iter().zip(&surface.normals).map(vertex).collect();
+    let indices = surface.triangles.iter().flatten().map(|index| *index as u16).collect();
+    mq::draw_mesh(&mq::Mesh { vertices, indices, texture: None });
 }
 
 /// The keys, a cross in the middle, and what is to be done here.

@@ -53,7 +53,7 @@ pub(crate) fn shoot(world: &mut World, simulation: &Simulation, yard: &Yard, pla
     let ball = RigidBody::new(Shape::sphere(BALL)).mass(5.0).position(from).linear_velocity(way * BALL_SPEED);
     let ball = ball.material(Material::default().with_restitution(0.3)).interpolated();
     let Ok(ball) = ball.id(BodyId(yard.next_id + player.shots)).build() else { return };
-    ball.spawn_with(world, (Ball(player.shots), Look::of(Shape::sphere(BALL), YELLOW)));
+    ball.spawn_with(world, (Ball(player.shots), Look::of(&Shape::sphere(BALL), YELLOW)));
     player.shots += 1;
     let is_spent = |ball: &Ball| ball.0 + MAX_BALLS < player.shots;
     let spent = world.query::<(Entity, &Ball)>().iter().find(|(_, ball)| is_spent(ball)).map(|(it, _)| it);

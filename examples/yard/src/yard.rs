@@ -5,6 +5,7 @@ use std::error::Error;
 use hecs::{Entity, World};
 use tumble::prelude::*;
 use tumble_character::{Character, CharacterSettings};
+use tumble_import::Tessellation;
 use tumble_vehicle::{VehicleInput, VehiclePlan};
 
 /// From the middle of the yard to its walls \[m\].
@@ -28,25 +29,25 @@ const WOOD: [[f32; 3]; 2] = [[0.86, 0.62, 0.32], [0.76, 0.50, 0.24]];
 #[derive(Clone)]
 pub(crate) struct Piece {
     pub(crate) pose: Pose,
-    pub(crate) shape: Shape,
+    pub(crate) surface: Tessellation,
     pub(crate) color: [f32; 3],
 }
 /// What an entity looks like.
 #[derive(Clone)]
 pub(crate) struct Look(pub(crate) Vec<Piece>);
 impl Look {
-    pub(crate) fn of(shape: Shape, color: [f32; 3]) -> Self {
-        Self(vec![Piece { pose: Pose::default(), shape, color }])
+    pub(crate) fn of(shape: &Shape, color: [f32; 3]) -> Self {
+        Self(Vec::new()).and(shape, Vec3::ZERO, color)
     }
     /// A crate: a frame, and panels that stand out of it by a millimetre.
     fn framed(half: f64, [r, g, b]: [f32; 3]) -> Self {
         let (out, inner) = (half + 0.001, half * 0.8);
         let panels = [[out, inner, inner], [inner, out, inner], [inner, inner, out]];
-        let frame = Self::of(Shape::cuboid([half; 3]), [r * 0.8, g * 0.8, b * 0.8]);
-        panels.into_iter().fold(frame, |look, it| look.and(Shape::cuboid(it), Vec3::ZERO, [r, g, b]))
+        let frame = Self::of(&Shape::cuboid([half; 3]), [r * 0.8, g * 0.8, b * 0.8]);
+        panels.into_iter().fold(frame, |look, it| look.and(&Shape::cuboid(it), Vec3::ZERO, [r, g, b]))
     }
-    fn and(mut self, shape: Shape, at: Vec3, color: [f32; 3]) -> Self {
-        self.0.push(Piece { pose: Pose::at(at), shape, color });
+    fn and(mut self, shape: &Shape, at: Vec3, color: [f32; 3]) -> Self {
+        self.0.push(Piece { pose: Pose::at(at), surface: Tessellation::of(shape), color });
         self
     }
 }
@@ -120,11 +121,11 @@ impl Builder<'_> {
     fn block(&mut self, half: [Real; 3], at: Pose, color: [f32; 3]) -> Result<Entity, BodyError> {
         let shape = Shape::cuboid(half.map(f64::from));
         let body = RigidBody::new(shape.clone()).fixed().position(at.position).orientation(at.orientation);
-        Ok(body.build()?.spawn_with(self.world, (Look::of(shape, color),)))
+        Ok(body.build()?.spawn_with(self.world, (Look::of(&shape, color),)))
     }
 
     /// Something loose.
-    fn loose(&mut self, shape: Shape, mass: f64, at: Vec3, color: [f32; 3]) -> Result<Entity, BodyError> {
+    fn loose(&mut self, shape: &Shape, mass: f64, at: Vec3, color: [f32; 3]) -> Result<Entity, BodyError> {
         self.add(RigidBody::new(shape.clone()).mass(mass).position(at), Look::of(shape, color))
     }
 
@@ -136,7 +137,7 @@ impl Builder<'_> {
             RigidBody::ground().position(out * YARD).orientation(inwards).build()?.spawn(self.world);
             let half = Vec3::new(0.2, 1.0, YARD + 0.4);
             let half = if out.x == 0.0 { Vec3::new(half.z, half.y, half.x) } else { half };
-            let look = Look::of(Shape::cuboid(half.to_array().map(f64::from)), WALL);
+            let look = Look::of(&Shape::cuboid(half.to_array().map(f64::from)), WALL);
             self.world.spawn((Pose::at(out * (YARD + 0.2) + Vec3::Y), look));
         }
         Ok(())
@@ -168,7 +169,7 @@ impl Builder<'_> {
 
     /// A door that is pushed open either way and closes itself.
     fn door(&mut self, post: Entity) -> Result<(), Box<dyn Error>> {
-        let door = self.loose(Shape::cuboid([0.04, 1.05, 0.56]), 25.0, Vec3::new(8.0, 1.08, 13.0), BLUE)?;
+        let door = self.loose(&Shape::cuboid([0.04, 1.05, 0.56]), 25.0, Vec3::new(8.0, 1.08, 13.0), BLUE)?;
         let hinge = Joint::hinge(post, door).at(self.world, Vec3::new(8.0, 1.08, 12.42), Vec3::Y)?;
         let limits = Limits::along(Axes::ANGULAR_X, Limit::new(-1.7, 1.7).with_frequency(3.0, 0.7));
         let closer = Drive::position(Axes::ANGULAR_X, 0.0).with_stiffness(12.0, 14.0);
@@ -179,7 +180,7 @@ impl Builder<'_> {
     /// A gate on a slider; returns the slider.
     fn gate(&mut self, post: Entity) -> Result<Entity, Box<dyn Error>> {
         let place = Vec3::new(15.2, 1.22, 8.27);
-        let gate = self.loose(Shape::cuboid([2.3, 1.18, 0.06]), 90.0, place, STEEL)?;
+        let gate = self.loose(&Shape::cuboid([2.3, 1.18, 0.06]), 90.0, place, STEEL)?;
         let slider = Joint::slider(post, gate).at(self.world, place, Vec3::NEG_X)?;
         let motor = Drive::position(Axes::LINEAR_X, 0.0).with_frequency(0.5, 1.0).with_max_force(900.0);
         Ok(self.world.spawn((slider, Drives::from(motor))))
@@ -188,7 +189,7 @@ impl Builder<'_> {
     /// A sensor on the ground, with a plate to be seen.
     fn plate(&mut self) -> Result<Entity, BodyError> {
         let body = RigidBody::new(Shape::cuboid([1.2, 0.1, 1.2])).fixed().sensor().position(Vec3::new(15.0, 0.1, 11.0));
-        let look = Look(Vec::new()).and(Shape::cuboid([1.2, 0.02, 1.2]), Vec3::Y * -0.09, RED);
+        let look = Look(Vec::new()).and(&Shape::cuboid([1.2, 0.02, 1.2]), Vec3::Y * -0.09, RED);
         Ok(body.build()?.spawn_with(self.world, (look,)))
     }
 
@@ -196,15 +197,15 @@ impl Builder<'_> {
         let lift = Lift { low: 0.12, high: 1.9, period: 600 };
         let shape = Shape::cuboid([1.0, 0.1, 1.0]);
         let at = Vec3::new(-14.0, lift.low, -1.05);
-        let entity = self.add(RigidBody::new(shape.clone()).kinematic().position(at), Look::of(shape, RED))?;
+        let entity = self.add(RigidBody::new(shape.clone()).kinematic().position(at), Look::of(&shape, RED))?;
         self.world.insert_one(entity, lift)?;
         Ok(())
     }
 
     fn carousel(&mut self) -> Result<(), BodyError> {
         let body = RigidBody::new(Shape::cylinder(1.8, 0.1)).kinematic().position(Vec3::new(-6.0, 0.12, 8.0));
-        let look = Look::of(Shape::cylinder(1.8, 0.1), BLUE);
-        let look = look.and(Shape::cuboid([1.7, 0.01, 0.1]), Vec3::Y * 0.1, [0.9; 3]);
+        let look = Look::of(&Shape::cylinder(1.8, 0.1), BLUE);
+        let look = look.and(&Shape::cuboid([1.7, 0.01, 0.1]), Vec3::Y * 0.1, [0.9; 3]);
         self.add(body.angular_velocity(Vec3::Y * 0.7), look)?;
         Ok(())
     }
@@ -216,11 +217,11 @@ impl Builder<'_> {
         let beam = self.block([0.12, 0.12, 1.5], Pose::at(Vec3::new(-8.0, 4.6, -10.2)), STEEL)?;
         let (mut above, mut at) = (beam, top);
         for _ in 0..7 {
-            let link = self.loose(Shape::capsule(0.05, 0.15), 1.5, at - Vec3::Y * 0.2, STEEL)?;
+            let link = self.loose(&Shape::capsule(0.05, 0.15), 1.5, at - Vec3::Y * 0.2, STEEL)?;
             self.world.spawn((Joint::ball(above, link).at_point(self.world, at)?,));
             (above, at) = (link, at - Vec3::Y * 0.4);
         }
-        let weight = self.loose(Shape::sphere(0.45), 80.0, at - Vec3::Y * 0.45, STEEL)?;
+        let weight = self.loose(&Shape::sphere(0.45), 80.0, at - Vec3::Y * 0.45, STEEL)?;
         self.world.spawn((Joint::ball(above, weight).at_point(self.world, at)?,));
         Ok(())
     }
@@ -247,7 +248,7 @@ impl Builder<'_> {
             for j in 0..=i {
                 let at =
                     Vec3::new(8.0 + 0.6 * (Real::from(j) - 0.5 * Real::from(i)), 0.45, -7.0 - 0.52 * Real::from(i));
-                self.loose(Shape::cylinder(0.14, 0.45), 1.6, at, [0.92, 0.92, 0.88])?;
+                self.loose(&Shape::cylinder(0.14, 0.45), 1.6, at, [0.92, 0.92, 0.88])?;
             }
         }
         Ok(())
@@ -261,9 +262,9 @@ impl Builder<'_> {
         let plan = VehiclePlan::car(3.6, 900.0);
         let (body, vehicle) = plan.build(ground)?;
         let half = [0.5 * plan.width, 0.25 * plan.height, 0.5 * plan.length].map(f64::from);
-        let look = Look(Vec::new()).and(Shape::cuboid(half), Vec3::Y * -0.25 * plan.height, RED);
+        let look = Look(Vec::new()).and(&Shape::cuboid(half), Vec3::Y * -0.25 * plan.height, RED);
         let cabin = [half[0] * 0.85, half[1], half[2] * 0.5];
-        let look = look.and(Shape::cuboid(cabin), Vec3::new(0.0, 0.25 * plan.height, -0.15), [0.22, 0.26, 0.32]);
+        let look = look.and(&Shape::cuboid(cabin), Vec3::new(0.0, 0.25 * plan.height, -0.15), [0.22, 0.26, 0.32]);
         let car = self.add(body, look)?;
         self.world.insert(car, vehicle.components())?;
         self.world.get::<&mut VehicleInput>(car)?.hand_brake = 1.0;
