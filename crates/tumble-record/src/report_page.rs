@@ -22,9 +22,10 @@ pub(crate) use crate::report_page::replay::Replay;
 const PAGE: &str = include_str!("report_page/page.html");
 const STYLE: &str = include_str!("report_page/page.css");
 /// In the order in which they build on each other.
-const SCRIPTS: [&str; 5] = [
+const SCRIPTS: [&str; 6] = [
     include_str!("report_page/script/states.js"),
     include_str!("report_page/script/view.js"),
+    include_str!("report_page/script/shadow.js"),
     include_str!("report_page/script/drawing.js"),
     include_str!("report_page/script/time.js"),
     include_str!("report_page/script/controls.js"),

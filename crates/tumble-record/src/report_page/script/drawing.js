@@ -11,6 +11,7 @@ const BODY_VERTEX = `#version 300 es
   uniform int before;
   out vec3 facing;
   out vec3 paint;
+  out vec3 position;
   flat out int number;
   vec3 turned(vec3 v) { return v + 2.0 * cross(turn.xyz, cross(turn.xyz, v) + turn.w * v); }
   void main() {
@@ -18,18 +19,47 @@ const BODY_VERTEX = `#version 300 es
     facing = turned(normal / max(size, 1e-4 * max(size.x, max(size.y, size.z))));
     paint = color;
     number = before + gl_InstanceID + 1;
-    gl_Position = projection * vec4(place + turned(corner * size), 1.0);
+    position = place + turned(corner * size);
+    gl_Position = projection * vec4(position, 1.0);
   }`;
+// Shadows are soft by sixteen points of a spiral (H. Vogel, 1979) that is turned from pixel to pixel (interleaved gradient
+// noise, J. Jimenez, SIGGRAPH 2014).
 const BODY_FRAGMENT = `#version 300 es
   precision highp float;
   in vec3 facing;
   in vec3 paint;
+  in vec3 position;
   uniform vec3 sun;
   uniform vec3 sky;
+  uniform mat4 to_map;
+  // Widths of a texel: in the units of the place, and on the map; the first is zero where there are no shadows.
+  uniform vec2 texel;
+  uniform float penumbra;
+  uniform highp sampler2DShadow shadows;
   out vec4 result;
+  float sunlit(vec3 n) {
+    float facing_sun = dot(n, sun);
+    if (texel.x == 0.0 || facing_sun <= 0.0) return 1.0;
+    // So far off the surface that it does not shade itself within the soft edge.
+    float off = texel.x * (1.0 + penumbra * sqrt(1.0 - facing_sun * facing_sun));
+    vec3 at = 0.5 + 0.5 * (to_map * vec4(position + off * n, 1.0)).xyz;
+    vec2 from_middle = abs(2.0 * at.xy - 1.0);
+    float edge = max(from_middle.x, from_middle.y);
+    if (edge >= 1.0) return 1.0;
+    float angle = 6.2831853 * fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
+    vec2 direction = vec2(cos(angle), sin(angle));
+    const mat2 golden = mat2(-0.7373688, 0.6754903, -0.6754903, -0.7373688);
+    float seen = 0.0;
+    for (int i = 0; i < 16; i += 1) {
+      float away = penumbra * texel.y * sqrt((float(i) + 0.5) / 16.0);
+      seen += texture(shadows, vec3(at.xy + away * direction, min(at.z, 1.0)));
+      direction = golden * direction;
+    }
+    return mix(seen / 16.0, 1.0, smoothstep(0.94, 1.0, edge));
+  }
   void main() {
     vec3 n = normalize(facing) * (gl_FrontFacing ? 1.0 : -1.0);
-    float light = 0.30 + 0.22 * dot(n, sky) + 0.85 * max(0.0, dot(n, sun));
+    float light = 0.36 + 0.20 * dot(n, sky) + 0.80 * max(0.0, dot(n, sun)) * sunlit(n);
     result = vec4(pow(paint * light, vec3(1.0 / 2.2)), 1.0);
   }`;
 const LINE_VERTEX = `#version 300 es
@@ -49,6 +79,8 @@ const LINE_FRAGMENT = `#version 300 es
   uniform float end;
   out vec4 result;
   void main() { result = paint * (end > 0.0 ? 1.0 - smoothstep(0.25 * end, end, length(aside)) : 1.0); }`;
+const SHADOW_FRAGMENT = `#version 300 es
+  void main() {}`;
 // The number of an instance, from one on, in the colour.
 const PICK_FRAGMENT = `#version 300 es
   precision highp float;
@@ -122,6 +154,7 @@ function octahedron() {
 const bodyProgram = program(BODY_VERTEX, BODY_FRAGMENT);
 const lineProgram = program(LINE_VERTEX, LINE_FRAGMENT);
 const pickProgram = program(BODY_VERTEX, PICK_FRAGMENT);
+const shadowProgram = program(BODY_VERTEX, SHADOW_FRAGMENT);
 const bodiesOf = run.surfaces.map(() => []);
 all.forEach((body) => bodiesOf[run.bodies[body].surface].push(body));
 const groups = run.surfaces.map((surface, index) => group(decoded(surface), bodiesOf[index], bodiesOf[index].length));
@@ -241,55 +274,76 @@ function put(to, body, size) {
   for (let i = 0; i < 4; i += 1) to.instances[at + 3 + i] = placed.rotations[4 * body + i];
 }
 
-// Places the bodies of all groups as they are seen from a place.
+// Places the bodies of all groups as they are seen from a place; returns a box along the light around those that cast
+// shadows.
 function fill(eye, towards) {
   // What would be smaller than this on the screen is drawn as large, so that planets are seen beside their orbits.
   const pixel = metresOfPixel();
   const away = camera.unit * camera.distance;
+  const box = emptyBox();
   for (const each of groups) each.drawn.length = 0;
   for (const each of groups) {
     for (const body of each.bodies) {
       const { scale, one_sided: isGround, surface } = run.bodies[body];
-      let depth = 0;
-      for (let i = 0; i < 3; i += 1) depth += towards[i] * (eye[i] - placed.positions[3 * body + i]);
+      const from = [0, 1, 2].map((i) => placed.positions[3 * body + i]);
+      const depth = dot(towards, eye.map((value, i) => value - from[i]));
       const least = isGround ? groundReach : SMALLEST * pixel;
       const enlarged = isHidden(body, eye) ? 0 : Math.max(1, least / reach[body]);
-      const seen = enlarged * reach[body] / pixel * away / Math.max(depth, 0.02 * away);
+      const radius = enlarged * reach[body];
+      const seen = radius / pixel * away / Math.max(depth, 0.02 * away);
+      if (!isGround) include(box, from.map((value, i) => (value - camera.target[i]) / camera.unit), radius / camera.unit);
       if (far && seen < TOO_SMALL && each.corners > 3 * MANY) {
         const [low, high] = run.surfaces[surface].box;
         put(far, body, (i) => enlarged * scale[i] * (high[i] - low[i]) / 2);
       } else put(each, body, (i) => enlarged * scale[i]);
     }
   }
+  return box;
 }
 
-// With one of the two programs for bodies, which are numbered through all groups.
-function drawGroups(view, use) {
+// With one of the programs for bodies, which are numbered through all groups.
+function drawGroups(matrix, use, isDrawn = () => true) {
   gl.useProgram(use);
-  gl.uniformMatrix4fv(gl.getUniformLocation(use, 'projection'), false, view.matrix);
+  gl.uniformMatrix4fv(gl.getUniformLocation(use, 'projection'), false, matrix);
   let before = 0;
   for (const { layout, corners, type, drawn } of groups.filter((each) => each.drawn.length > 0)) {
     gl.uniform1i(gl.getUniformLocation(use, 'before'), before);
     gl.bindVertexArray(layout);
-    gl.drawElementsInstanced(gl.TRIANGLES, corners, type, 0, drawn.length);
+    if (isDrawn(drawn[0])) gl.drawElementsInstanced(gl.TRIANGLES, corners, type, 0, drawn.length);
     before += drawn.length;
   }
 }
 
+// The shadow map, of all but infinite ground.
+function drawShadows(map) {
+  gl.bindFramebuffer(gl.FRAMEBUFFER, shadowMap.target);
+  gl.viewport(0, 0, MAP_SIZE, MAP_SIZE);
+  gl.clear(gl.DEPTH_BUFFER_BIT);
+  gl.enable(gl.POLYGON_OFFSET_FILL);
+  gl.polygonOffset(1, 4);
+  drawGroups(map.matrix, shadowProgram, (body) => !run.bodies[body].one_sided);
+  gl.disable(gl.POLYGON_OFFSET_FILL);
+  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+  gl.viewport(0, 0, canvas.width, canvas.height);
+}
+
 function drawBodies(view) {
-  // The sun stands behind the viewer's left shoulder.
-  const sun = [0, 1, 2].map((i) => 0.62 * view.towards[i] - 0.42 * view.right[i] + 0.66 * view.above[i]);
-  const length = Math.sqrt(dot(sun, sun));
-  gl.useProgram(bodyProgram);
-  gl.uniform3fv(gl.getUniformLocation(bodyProgram, 'sun'), sun.map((value) => value / length));
-  gl.uniform3fv(gl.getUniformLocation(bodyProgram, 'sky'), up);
   const eye = camera.target.map((value, i) => value + camera.unit * camera.distance * view.towards[i]);
-  fill(eye, view.towards);
+  const map = mapOf(fill(eye, view.towards));
   for (const { numbers, instances, drawn } of groups.filter((each) => each.drawn.length > 0)) {
     gl.bindBuffer(gl.ARRAY_BUFFER, numbers);
     gl.bufferSubData(gl.ARRAY_BUFFER, 0, instances, 0, INSTANCE * drawn.length);
   }
-  drawGroups(view, bodyProgram);
+  if (map) drawShadows(map);
+  const uniform = (name) => gl.getUniformLocation(bodyProgram, name);
+  gl.useProgram(bodyProgram);
+  gl.uniform3fv(uniform('sun'), light.towards);
+  gl.uniform3fv(uniform('sky'), up);
+  gl.uniform2fv(uniform('texel'), map ? [map.texel, 1 / MAP_SIZE] : [0, 0]);
+  gl.uniform1f(uniform('penumbra'), PENUMBRA);
+  if (map) gl.uniformMatrix4fv(uniform('to_map'), false, map.matrix);
+  gl.bindTexture(gl.TEXTURE_2D, shadowMap.texture);
+  drawGroups(view.matrix, bodyProgram);
 }
 
 // The body at a place of the canvas, of those that were drawn last.
@@ -307,7 +361,7 @@ function bodyAt(x, y) {
   gl.scissor(column, row, 1, 1);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   gl.enable(gl.DEPTH_TEST);
-  drawGroups(projection(), pickProgram);
+  drawGroups(projection().matrix, pickProgram);
   const found = new Uint8Array(4);
   gl.readPixels(column, row, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, found);
   gl.disable(gl.SCISSOR_TEST);
