@@ -114,6 +114,9 @@ fn take_mouse(takes: bool) {
 /// What the keys and the mouse ask for.
 fn keyboard(camera: &Camera) -> Actions {
     use mq::KeyCode::{A, C, D, E, LeftShift, S, Space, T, W};
+    // A key may go down and up within a frame.
+    let key = |key| mq::is_key_down(key) || mq::is_key_pressed(key);
+    let button = |button| mq::is_mouse_button_down(button) || mq::is_mouse_button_pressed(button);
     let axis = |more, less| Real::from(i8::from(mq::is_key_down(more)) - i8::from(mq::is_key_down(less)));
     Actions {
         ahead: axis(W, S),
@@ -121,11 +124,11 @@ fn keyboard(camera: &Camera) -> Actions {
         yaw: camera.yaw,
         pitch: camera.pitch,
         run: mq::is_key_down(LeftShift),
-        jump: mq::is_key_down(Space),
+        jump: key(Space),
         crouch: mq::is_key_down(C),
         slow: mq::is_key_down(T),
-        grab: mq::is_mouse_button_down(mq::MouseButton::Right),
-        shoot: mq::is_mouse_button_down(mq::MouseButton::Left),
-        use_car: mq::is_key_down(E),
+        grab: button(mq::MouseButton::Right),
+        shoot: button(mq::MouseButton::Left),
+        use_car: key(E),
     }
 }

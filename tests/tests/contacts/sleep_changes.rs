@@ -7,7 +7,8 @@
 use hecs::{Entity, World};
 use tumble::prelude::*;
 use tumble::{CenterOfMass, IgnoreContacts};
-use tumble_tests::touching::{collider, surfaced};
+use tumble_tests::touching::{collider, spawn, surfaced};
+use tumble_tests::{Draw, cases, real};
 
 use crate::sleep::{asleep, position, sleeping};
 
@@ -22,6 +23,14 @@ pub(crate) struct Column {
 }
 
 pub(crate) fn column(size: Real) -> Column {
+    let mut column = awake_column(size);
+    column.simulation.step_many(&mut column.world, 90);
+    assert_eq!(asleep(&column.simulation), 4, "{size} m");
+    column
+}
+
+/// The same before its first step.
+fn awake_column(size: Real) -> Column {
     let mut world = World::new();
     let floor = spawn_ground(&mut world);
     let half = f64::from(size) * 0.5;
@@ -30,9 +39,7 @@ pub(crate) fn column(size: Real) -> Column {
     let mut put = |place: Vec3| block.clone().position(place).build().unwrap().spawn(&mut world);
     let blocks = (0..3_u8).map(|level| put(at(0.0, Real::from(level)))).collect();
     let apart = put(at(10.0, 0.0));
-    let mut simulation = Simulation::new(sleeping()).unwrap();
-    simulation.step_many(&mut world, 90);
-    assert_eq!(asleep(&simulation), 4, "{size} m");
+    let simulation = Simulation::new(sleeping()).unwrap();
     Column { world, simulation, floor, blocks, apart, size }
 }
 
@@ -105,6 +112,29 @@ fn what_changes_wakes_its_island_and_no_other() {
     }
 }
 
+/// Nor just before they fall asleep: then they are still from the change on.
+#[test]
+fn what_changes_keeps_its_island_awake() {
+    for size in [0.02, 0.5, 20.0] {
+        let mut it = awake_column(size);
+        let mut last = 0;
+        while asleep(&it.simulation) < 4 {
+            it.simulation.step(&mut it.world);
+            last += 1;
+        }
+        for (name, expected, change) in CHANGES {
+            for before in [last - 3, last - 2, last - 1] {
+                let mut it = awake_column(size);
+                it.simulation.step_many(&mut it.world, before);
+                assert!(asleep(&it.simulation) < 4, "{size} m");
+                change(&mut it);
+                it.simulation.step_many(&mut it.world, 4);
+                assert_eq!(asleep(&it.simulation), expected, "{name} after {before} steps, {size} m");
+            }
+        }
+    }
+}
+
 /// A ball that hangs asleep on an anchor, alone in the air.
 fn hanging() -> (World, Simulation, [Entity; 3]) {
     let mut world = World::new();
@@ -145,6 +175,68 @@ fn what_hangs_wakes_with_its_anchor() {
     simulation.step_many(&mut world, 180);
     let behind = position(&world, anchor).x - position(&world, ball).x;
     assert!(!simulation.is_asleep(ball) && behind.abs() < 0.05, "{behind} m");
+}
+
+/// A body of this size \[m\] that hangs on an anchor by a joint.
+fn hung(size: Real, joint: usize, settings: Settings) -> (World, Simulation, [Entity; 2]) {
+    let (mut world, half) = (World::new(), f64::from(size) * 0.5);
+    let top = Vec3::Y * size * 2.0;
+    let anchor = RigidBody::new(Shape::Point).fixed().position(top).build().unwrap().spawn(&mut world);
+    let body = RigidBody::new(Shape::cuboid([half; 3])).density(500.0).build().unwrap().spawn(&mut world);
+    let made = [Joint::fixed, Joint::ball, Joint::hinge, Joint::free, Joint::slider][joint](anchor, body);
+    let made = made.at(&world, top, if joint == 4 { Vec3::Y } else { Vec3::X }).unwrap();
+    let made = world.spawn((made,));
+    match joint {
+        3 => world.insert_one(made, Limits::rope(size)).unwrap(),
+        4 => world.insert_one(made, Drives::from(Drive::position(Axes::LINEAR_X, 0.0))).unwrap(),
+        _ => {}
+    }
+    let mut simulation = Simulation::new(settings).unwrap();
+    simulation.step_many(&mut world, 120);
+    (world, simulation, [anchor, body])
+}
+
+/// Joints bring bodies to where they belong without a velocity: on their way they are not still.
+#[test]
+fn what_a_joint_draws_is_not_still() {
+    for (joint, size) in [0.05, 0.5, 5.0].into_iter().flat_map(|size| (0..5).map(move |joint| (joint, size))) {
+        for gap in [0.3, 3.0, 40.0] {
+            let [without, with] = [sleeping().with_sleep(None), sleeping()].map(|settings| {
+                let (mut world, mut simulation, [anchor, body]) = hung(size, joint, settings);
+                world.get::<&mut Pose>(anchor).unwrap().position.y += gap * size;
+                simulation.step_many(&mut world, 1800);
+                position(&world, body)
+            });
+            assert!((with - without).length() < 0.02 * size, "joint {joint}, {size} m, {gap}: {with} and {without}");
+        }
+    }
+}
+
+/// Nor is what comes out of something else.
+#[test]
+fn what_is_pushed_out_is_not_still() {
+    for case in 0..u64::from(cases(60)) {
+        let mut draw = Draw::new(73, case);
+        let size = draw.log_between(0.02, 10.0);
+        let shape = if draw.often(0.5) { Shape::sphere(0.5 * size) } else { Shape::cuboid([0.5 * size; 3]) };
+        let (deep, per_second) = (size * draw.log_between(0.02, 20.0), draw.log_between(30.0, 240.0));
+        let time = draw.log_between(0.05, 1.0);
+        let surface = Material { rolling_resistance: real(0.05 * size), ..Material::default() };
+        let [without, with] = [false, true].map(|sleeps| {
+            let mut world = World::new();
+            spawn(&mut world, RigidBody::new(Shape::Point).fixed(), surfaced(Collider::half_space(), surface));
+            let body = RigidBody::new(shape.clone()).density(500.0).position(Vec3::Y * real(0.5 * size - deep));
+            let body = spawn(&mut world, body, surfaced(collider(&shape), surface));
+            let sleep = Sleep { time: real(time), ..Sleep::default() };
+            let settings = Settings::default().with_dt(real(1.0 / per_second));
+            let settings = settings.with_sleep(sleeps.then_some(sleep));
+            let mut simulation = Simulation::new(settings).unwrap();
+            simulation.step_many(&mut world, ((10.0 + deep) * per_second) as u32);
+            position(&world, body).y
+        });
+        let off = f64::from((with - without).abs());
+        assert!(off < 0.01 * size, "case {case}: {size} m, {deep} m deep: at {with} m, without sleep {without} m");
+    }
 }
 
 /// Held up by a system of the caller's it does not sleep, or it would hang there without.

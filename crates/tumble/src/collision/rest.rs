@@ -1,6 +1,6 @@
 //! Which bodies fall asleep and which wake when a step begins.
 
-use tumble_math::lane::Vec3;
+use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::collider::Collider;
 use crate::collision::contact::ContactRecord;
@@ -19,6 +19,9 @@ use crate::settings::{Settings, Sleep};
 use crate::storage::body_index::Slot;
 use crate::storage::chunk::Chunk;
 use crate::storage::world_columns::WorldColumns;
+
+/// Poses of a body that does not move differ by less than this many roundings.
+const ROUNDING: Real = 8.0;
 
 impl CollisionPipeline {
     /// Wakes what was disturbed since the last step, and puts to sleep what has been still for long
@@ -59,7 +62,8 @@ impl CollisionPipeline {
         for slot in sleepers.wake(&disturbed, &mut contacts.records) {
             sleepers.awake.is_dynamic[slot.index()] = true;
         }
-        disturbed.clear();
+        // What is awake begins to be still with what was changed.
+        disturbed.drain(..).for_each(|slot| sleepers.rests[slot.index()].still = 0.0);
         sleepers.disturbed = disturbed;
         let has_gravity = settings.gravity != WorldVec3::ZERO;
         sleepers.find_tired(&contacts.records, &sleep, has_gravity);
@@ -153,9 +157,10 @@ impl CollisionPipeline {
                 if rest.pose.is_some() && !rest.is_dynamic {
                     sleepers.movers.push(*slot);
                 }
+                let is_changed = rest.pose.is_some() && rest.differs(&chunk, row);
                 *rest = Rest { still: rest.still, ..Rest::of(&chunk, row, colliders.get(*slot), sleep) };
-                let is_free = !is_pulled && chunk.wrench[row] == Wrench::default();
-                let is_still = is_free && is_slow(&chunk, row, colliders.get(*slot), rest.least_speed);
+                let is_free = !is_pulled && !is_changed && chunk.wrench[row] == Wrench::default();
+                let is_still = is_free && is_slow(&chunk, row, rest);
                 rest.still = if is_still { (rest.still + settings.dt).min(sleep.time) } else { 0.0 };
                 awake.is_dynamic[slot.index()] = true;
                 awake.moves[slot.index()] = chunk.momentum[row] != Momentum::default();
@@ -163,6 +168,22 @@ impl CollisionPipeline {
         });
         (sleepers.awake, sleepers.disturbed) = (awake, disturbed);
         sleepers.movers.sort_unstable();
+    }
+
+    /// To be called at the end of a step of `dt` \[s\]: joints that close and what is pushed out of
+    /// another move bodies without a velocity.
+    pub(crate) fn notice_ways(&mut self, columns: &WorldColumns<'_>, dt: Real) {
+        let Self { sleepers: Sleepers { rests, asleep, .. }, body_index, .. } = self;
+        if rests.is_empty() {
+            return;
+        }
+        for (archetype, bodies) in columns.pose_views().filter(|(_, bodies)| bodies.dynamic.is_some()) {
+            for (slot, pose) in body_index.slots_in(archetype).iter().zip(bodies.pose) {
+                if !asleep.has(*slot) {
+                    rests[slot.index()].take_pose(*pose, dt);
+                }
+            }
+        }
     }
 
     /// Keeps awake what touches something that moves by itself, and disturbs what sleeps and lost
@@ -255,13 +276,27 @@ impl CollisionPipeline {
 
 impl Rest {
     fn of(chunk: &Chunk<'_>, row: usize, collider: Option<&(Collider, WorldVec3)>, sleep: &Sleep) -> Self {
-        let least_speed = sleep.speed_of(radius_of(chunk, row, collider));
+        let radius = radius_of(chunk, row, collider);
+        let least_speed = sleep.speed_of(radius);
         let least_momentum = chunk.mass[row].kilograms() * least_speed;
-        let weight = weight_of(chunk, row);
-        Self { pose: Some(chunk.pose[row]), weight, least_momentum, least_speed, still: 0.0, is_dynamic: true }
+        let (pose, weight) = (Some(chunk.pose[row]), weight_of(chunk, row));
+        Self { pose, radius, weight, least_momentum, least_speed, still: 0.0, is_dynamic: true }
     }
 
-    /// Whether a sleeping body is not what it was.
+    /// Takes over the pose at the end of a step of `dt` \[s\]. Where it went further in it than what
+    /// is still may go, it is not still.
+    fn take_pose(&mut self, pose: Pose, dt: Real) {
+        if let Some(before) = self.pose.replace(pose) {
+            let way = length((pose.position - before.position).into());
+            let turned = (Quat::from(before.orientation).conjugate() * Quat::from(pose.orientation)).vector();
+            let rounding = ROUNDING * Real::EPSILON * (length(pose.position.into()) + self.radius);
+            if way + 2.0 * length(turned) * self.radius > (self.least_speed * dt).max(rounding) {
+                self.still = 0.0;
+            }
+        }
+    }
+
+    /// Whether a body is not what it was.
     fn differs(&self, chunk: &Chunk<'_>, row: usize) -> bool {
         let now = numbers_of(&chunk.pose[row]);
         let is_there = self.pose.is_some_and(|before| {
@@ -304,11 +339,11 @@ fn radius_of(chunk: &Chunk<'_>, row: usize, collider: Option<&(Collider, WorldVe
     (most / chunk.mass[row].kilograms()).sqrt()
 }
 
-/// Whether no point of a body is faster than `most` \[m/s\].
-fn is_slow(chunk: &Chunk<'_>, row: usize, collider: Option<&(Collider, WorldVec3)>, most: Real) -> bool {
+/// Whether no point of a body is faster than what is still may be.
+fn is_slow(chunk: &Chunk<'_>, row: usize, rest: &Rest) -> bool {
     if chunk.momentum[row] == Momentum::default() {
         return true;
     }
     let moving = derived(&chunk.constants::<Real>(row), &chunk.state::<Real>(row));
-    length(moving.linear) + length(moving.angular) * radius_of(chunk, row, collider) <= most
+    length(moving.linear) + length(moving.angular) * rest.radius <= rest.least_speed
 }

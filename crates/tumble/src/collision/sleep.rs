@@ -64,11 +64,13 @@ impl AwakeBodies {
     }
 }
 
-/// A body as it was when the last step began.
+/// A body as it was at the end of the last step.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rest {
     /// `None` where nothing is known of the body.
     pub(crate) pose: Option<Pose>,
+    /// How far it reaches from its centre of mass \[m\].
+    pub(crate) radius: Real,
     /// Mass by scale of gravity of a dynamic body \[kg\].
     pub(crate) weight: Real,
     /// The momentum of a body that is just still \[kg m/s\], and the speed of its points [m/s].
@@ -80,8 +82,15 @@ pub(crate) struct Rest {
 }
 
 impl Rest {
-    pub(crate) const UNKNOWN: Self =
-        Self { pose: None, weight: 0.0, least_momentum: 0.0, least_speed: 0.0, still: 0.0, is_dynamic: false };
+    pub(crate) const UNKNOWN: Self = Self {
+        pose: None,
+        radius: 0.0,
+        weight: 0.0,
+        least_momentum: 0.0,
+        least_speed: 0.0,
+        still: 0.0,
+        is_dynamic: false,
+    };
 }
 
 /// In the place of the time for which a body has been still, if it sleeps.
@@ -126,10 +135,11 @@ impl Sleepers {
         }
     }
 
-    /// Has all that sleep wake when the next step begins.
+    /// Has all that sleep wake when the next step begins, and none of the others be still yet.
     pub(crate) fn disturb_all(&mut self) {
-        let Self { asleep, disturbed, .. } = self;
+        let Self { asleep, disturbed, rests, .. } = self;
         disturbed.extend(asleep.slots());
+        rests.iter_mut().for_each(|rest| rest.still = 0.0);
     }
 
     /// For how long a body has been still \[s\], or [`ASLEEP`].

@@ -337,7 +337,11 @@ impl<'a> InteractingWorld<'a> {
         }
     }
 
+    /// The end of a step.
     pub(crate) fn update_derived(&mut self) {
+        if let Some(collision) = &mut self.interactions.collision {
+            collision.notice_ways(&self.columns, self.settings.dt);
+        }
         self.write_joint_loads();
         self.columns.for_each_chunk(|_, bodies| update_derived_of(bodies));
     }

@@ -261,6 +261,7 @@ fn run_interacting(simulation: &mut Simulation, world: &mut World, phase: StepPh
             it.stop_crossings();
             it.update_sensors();
             it.apply_pair_forces(SubstepHalf::Second);
+            it.hold_locked();
         }
         StepPhase::UpdateDerived => it.update_derived(),
     }
