@@ -283,8 +283,8 @@ impl Rest {
         Self { pose, radius, weight, least_momentum, least_speed, still: 0.0, is_dynamic: true }
     }
 
-    /// Takes over the pose at the end of a step of `dt` \[s\]. Where it went further in it than what
-    /// is still may go, it is not still.
+    /// Takes over the pose at the end of a step of `dt` \[s\]. What went further in it than a still
+    /// body may go is not still.
     fn take_pose(&mut self, pose: Pose, dt: Real) {
         if let Some(before) = self.pose.replace(pose) {
             let way = length((pose.position - before.position).into());
