@@ -8,6 +8,7 @@ use tumble::math::dvec3;
 use tumble::{BodyOrder, Queries, QueryFilter, Simulation, Wrench};
 
 use crate::error::MAX_WHEELS;
+use crate::light_bodies::{Finder, Passed};
 use crate::precision::{real, vec3};
 use crate::probe::{Ground, Hub};
 use crate::rigid::{Chassis, Rigid};
@@ -16,6 +17,12 @@ use crate::solve::{ITERATIONS, solve};
 use crate::state::{VehicleInput, VehicleState, WheelContact, WheelState};
 use crate::vehicle::{Driver, Vehicle};
 use crate::wheel_step::{Footing, ForceLine, Motion, Row, WheelStep};
+
+/// How fast a spring takes up what is not of it, over the root of gravity and radius.
+const RETURN: f64 = 0.05;
+
+/// Compression that may be there at once, over the radius of the wheel.
+const SUDDEN: f64 = 0.05;
 
 /// A vehicle in the course of a step.
 struct Plan<'a> {
@@ -26,6 +33,8 @@ struct Plan<'a> {
     state: VehicleState,
     hubs: Vec<Hub>,
     grounds: Vec<Option<Ground>>,
+    /// Light bodies that wheels go through, with the impulse on it [N s].
+    passed: Vec<(Passed, DVec3)>,
 }
 
 /// What comes of a vehicle: its state, and forces on bodies.
@@ -97,10 +106,10 @@ fn outcomes(world: &World, simulation: &Simulation, iterations: usize) -> Vec<Ou
             None => outcomes.push(Outcome { entity: *entity, state: at_rest(vehicle, state), pushes: Vec::new() }),
         }
     }
-    plans.iter_mut().for_each(|plan| plan.find_grounds(&queries, dt));
+    plans.iter_mut().for_each(|plan| plan.find_grounds(world, &queries, (gravity.length(), dt)));
     let mut wheels_on = BTreeMap::new();
     for ground in plans.iter().flat_map(|plan| plan.grounds.iter().flatten()) {
-        *wheels_on.entry(ground.entity).or_insert(0.0) += 1.0;
+        *wheels_on.entry(ground.bearer).or_insert(0.0) += 1.0;
     }
     outcomes.extend(plans.iter().map(|plan| plan.outcome(world, &wheels_on, (gravity.length(), dt), iterations)));
     outcomes
@@ -131,19 +140,26 @@ impl<'a> Plan<'a> {
         let driver = Driver::of(vehicle.settings(), input, &state, dt);
         let wheels = 0..vehicle.settings().wheels.len();
         let hubs = wheels.map(|wheel| Hub::of(vehicle, wheel, &chassis, driver.steering)).collect();
-        Some(Self { entity, vehicle, chassis, driver, state, hubs, grounds: Vec::new() })
+        Some(Self { entity, vehicle, chassis, driver, state, hubs, grounds: Vec::new(), passed: Vec::new() })
     }
 
-    fn find_grounds(&mut self, queries: &Queries<'_>, dt: f64) {
+    fn find_grounds(&mut self, world: &World, queries: &Queries<'_>, (gravity, dt): (f64, f64)) {
         let (membership, filter) = self.vehicle.settings().groups;
         let filter = QueryFilter::new().without(self.entity).with_groups(membership, filter);
-        let grounds = self.hubs.iter().enumerate().map(|(wheel, hub)| {
-            // A wheel that comes down within the step is stopped in it.
-            let falls = -self.chassis.body.at_point(hub.position).dot(hub.up);
-            let ahead = (falls * dt).max(0.0);
-            hub.find_ground((self.vehicle, wheel), &self.chassis.axes, ahead, queries, &filter)
-        });
-        self.grounds = grounds.collect();
+        let (vehicle, chassis) = (self.vehicle, &self.chassis);
+        let finder = Finder { world, queries, vehicle, chassis, filter, gravity, dt };
+        let mut all = Vec::new();
+        for (wheel, hub) in self.hubs.iter().enumerate() {
+            let (ground, passed) = finder.find(wheel, hub, self.state.wheels().get(wheel));
+            self.grounds.push(ground);
+            all.extend(passed.into_iter().map(|it| (wheel, it)));
+        }
+        for (wheel, passed) in &all {
+            let wheels = all.iter().filter(|(_, other)| other.entity == passed.entity).count() as f64;
+            if let Some(impulse) = finder.impulse_on(passed, &self.hubs[*wheel], wheels) {
+                self.passed.push((*passed, impulse));
+            }
+        }
     }
 
     fn outcome(
@@ -181,7 +197,8 @@ impl<'a> Plan<'a> {
     ) -> WheelStep {
         let (settings, before) = (self.vehicle.settings().wheels[wheel], &self.state.wheels[wheel]);
         let drive = f64::from(settings.drive);
-        let footing = self.grounds[wheel].and_then(|ground| self.footing(wheel, &ground, world, wheels_on, dt));
+        let footing =
+            self.grounds[wheel].and_then(|ground| self.footing(wheel, &ground, world, wheels_on, (gravity, dt)));
         let Driver { throttle, brake, hand_brake, .. } = self.driver;
         let brake = brake * f64::from(settings.brake_torque) + hand_brake * f64::from(settings.hand_brake_torque);
         let mut step = WheelStep {
@@ -216,10 +233,10 @@ impl<'a> Plan<'a> {
         ground: &Ground,
         world: &World,
         wheels_on: &BTreeMap<Entity, f64>,
-        dt: f64,
+        (gravity, dt): (f64, f64),
     ) -> Option<Footing> {
         let (hub, center) = (&self.hubs[wheel], self.chassis.body.position);
-        let body = Rigid::of(world, ground.entity)?;
+        let body = Rigid::of(world, ground.bearer)?;
         let forward = hub.axle.cross(ground.normal).try_normalize()?;
         let left = ground.normal.cross(forward);
         let up = ground.normal.dot(hub.up);
@@ -230,7 +247,7 @@ impl<'a> Plan<'a> {
         let before = &self.state.wheels[wheel];
         let was_there = before.contact.is_some_and(|contact| contact.ground == ground.entity);
         let forces = [before.suspension_force, before.longitudinal_force, before.lateral_force];
-        let count = wheels_on.get(&ground.entity).copied().unwrap_or(1.0);
+        let count = wheels_on.get(&ground.bearer).copied().unwrap_or(1.0);
         let mut rows = directions.map(|direction| Row::new(direction, ground.point, center));
         for (i, row) in rows.iter_mut().enumerate() {
             row.ground = body.at_point(ground.point).dot(directions[i]);
@@ -248,7 +265,26 @@ impl<'a> Plan<'a> {
             }
         }
         let [normal, along, across] = rows;
-        Some(Footing { normal, tangents: [along, across], lean, compression: ground.compression })
+        let closing = -normal.speed(&Motion::of(&self.chassis.body));
+        let slack = self.slack(wheel, ground.compression, closing, (gravity, dt));
+        let compression = ground.compression - slack;
+        Some(Footing { normal, tangents: [along, across], lean, compression, slack })
+    }
+
+    /// How much of a compression is not of the spring. One that is there all at once, of a wheel
+    /// that had nothing below it, is no work that anything has done.
+    fn slack(&self, wheel: usize, compression: f64, closing: f64, (gravity, dt): (f64, f64)) -> f64 {
+        let (before, radius) = (&self.state.wheels[wheel], self.hubs[wheel].radius);
+        let there = compression.max(0.0);
+        if before.met {
+            let back = RETURN * (gravity * radius).sqrt() * dt;
+            return (before.slack - back).clamp(0.0, there);
+        }
+        if self.state.count == 0 {
+            // One that begins deep in something does not begin with the stop of its springs pressed.
+            return if there > self.hubs[wheel].travel { there } else { 0.0 };
+        }
+        (there - 1.5 * (closing * dt).max(0.0) - SUDDEN * radius).max(0.0)
     }
 
     fn pushes(&self, world: &World, steps: &[WheelStep], dt: f64) -> Vec<(Entity, DVec3, DVec3)> {
@@ -263,11 +299,17 @@ impl<'a> Plan<'a> {
             let push = footing.normal.linear * step.suspension + along.linear * longitudinal + across.linear * lateral;
             force += push;
             torque += (ground.point - self.chassis.body.position).cross(push);
-            if let Some(body) = Rigid::of(world, ground.entity).filter(Rigid::is_dynamic) {
+            if let Some(body) = Rigid::of(world, ground.bearer).filter(Rigid::is_dynamic) {
                 // In the course of the step the wheel rolls on, and the ground moves too.
                 let rolled = (self.chassis.body.linear - body.linear) * (0.5 * dt);
-                pushes.push((ground.entity, -push, (ground.point + rolled - body.position).cross(-push)));
+                pushes.push((ground.bearer, -push, (ground.point + rolled - body.position).cross(-push)));
             }
+        }
+        for (passed, impulse) in &self.passed {
+            let (push, Some(body)) = (*impulse / dt, Rigid::of(world, passed.entity)) else { continue };
+            force -= push;
+            torque -= (passed.point - self.chassis.body.position).cross(push);
+            pushes.push((passed.entity, push, (passed.point - body.position).cross(push)));
         }
         pushes.push((self.entity, force, torque));
         pushes
@@ -284,6 +326,7 @@ impl<'a> Plan<'a> {
             ..WheelState::default()
         };
         let (Some(footing), Some(ground)) = (&step.footing, self.grounds[wheel]) else { return state };
+        (state.met, state.reach, state.slack) = (true, ground.compression, footing.slack);
         let load = step.load();
         if load <= 0.0 {
             return state;

@@ -45,6 +45,7 @@ mod drive_torque;
 mod drive_vehicles;
 mod error;
 mod jointed;
+mod light_bodies;
 mod plan;
 mod precision;
 mod probe;

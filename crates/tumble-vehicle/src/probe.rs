@@ -7,6 +7,7 @@ use tumble::{Pose, Queries, QueryFilter, Ray};
 
 use crate::precision::{quat, real, vec3};
 use crate::rigid::Chassis;
+use crate::settings::Probe;
 use crate::vehicle::{Vehicle, about_y};
 
 /// The steepest ground against the suspension that carries a wheel: the cosine of 70 degrees.
@@ -16,6 +17,8 @@ const STEEPEST: f64 = 0.342;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ground {
     pub(crate) entity: Entity,
+    /// Who gets the load: it, or what it lies on.
+    pub(crate) bearer: Entity,
     pub(crate) point: DVec3,
     pub(crate) normal: DVec3,
     /// Of the suspension \[m\]; negative by the gap to ground that the wheel may meet in the step.
@@ -71,8 +74,9 @@ impl Hub {
             let hit = queries.cast_shape(shape, &pose, vec3(self.up * -way), filter)?;
             let normal = dvec3(hit.normal).normalize_or_zero();
             let in_plane = (normal - self.axle * normal.dot(self.axle)).normalize_or_zero();
-            let center = from - self.up * f64::from(hit.distance);
-            let compression = self.travel + 0.5 * self.radius - f64::from(hit.distance);
+            let distance = f64::from(hit.distance) + self.sunk(vehicle.settings().probe, normal);
+            let center = from - self.up * distance;
+            let compression = self.travel + 0.5 * self.radius - distance;
             self.ground(hit.entity, center - in_plane * self.radius, normal, compression)
         });
         // Beside a wall the shape meets the wall first.
@@ -87,7 +91,18 @@ impl Hub {
         })
     }
 
+    /// How much further than a sphere the wheel in it goes: it ends in its plane, and not beside it.
+    fn sunk(&self, probe: Probe, normal: DVec3) -> f64 {
+        if probe != Probe::Sphere {
+            return 0.0;
+        }
+        let beside = normal.dot(self.axle);
+        let in_plane = (1.0 - beside * beside).max(0.0).sqrt();
+        self.radius * (1.0 - in_plane) / normal.dot(self.up).max(STEEPEST)
+    }
+
     fn ground(&self, entity: Entity, point: DVec3, normal: DVec3, compression: f64) -> Option<Ground> {
-        (normal.dot(self.up) >= STEEPEST).then_some(Ground { entity, point, normal, compression })
+        let carries = normal.dot(self.up) >= STEEPEST;
+        carries.then_some(Ground { entity, bearer: entity, point, normal, compression })
     }
 }

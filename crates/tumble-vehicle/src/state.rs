@@ -114,6 +114,12 @@ pub struct WheelState {
     pub(crate) speeds: [f64; 2],
     /// Velocity of the ground along the normal, along and across [m/s].
     pub(crate) ground: [f64; 3],
+    /// Whether ground was in reach.
+    pub(crate) met: bool,
+    /// Compression to that ground \[m\], whether it pushed or not; negative of a gap.
+    pub(crate) reach: f64,
+    /// How much further the suspension is compressed than its spring \[m\].
+    pub(crate) slack: f64,
 }
 
 /// What the wheels of a vehicle do and what they remember: a component that

@@ -63,8 +63,10 @@ pub(crate) struct Footing {
     pub(crate) tangents: [Row; 2],
     /// The normal and both tangents along the suspension.
     pub(crate) lean: [f64; 3],
-    /// At the start of the step \[m\].
+    /// Of the spring at the start of the step \[m\].
     pub(crate) compression: f64,
+    /// How much further the suspension is compressed than its spring \[m\].
+    pub(crate) slack: f64,
 }
 
 /// What a step finds out about a wheel.
@@ -120,7 +122,7 @@ impl WheelStep {
         let part = if start < 0.0 { end / (end - start) } else { 1.0 };
         let stiffness = f64::from(it.stiffness) + bar;
         let mut damping = f64::from(if speed > 0.0 { it.compression_damping } else { it.rebound_damping });
-        let beyond = end - f64::from(it.travel);
+        let beyond = end - (f64::from(it.travel) - footing.slack).max(0.0);
         let bump = f64::from(it.bump_stiffness);
         let (mut force, mut slope) = (stiffness * end, stiffness * h);
         if beyond > 0.0 {

@@ -148,25 +148,33 @@ impl Course {
 
     /// Kinetic energy of body and wheels, and what is in height, springs and bars \[J\].
     pub(crate) fn energy(&self) -> f64 {
-        let (pose, velocity) = (self.pose(), self.velocity());
-        let momentum = *self.world.get::<&Momentum>(self.vehicle).unwrap();
-        let mass = f64::from(self.world.get::<&Mass>(self.vehicle).unwrap().kilograms());
-        let gravity = self.simulation.settings().gravity;
-        let (linear, angular) = (momentum.linear.dot(velocity.linear), momentum.angular.dot(velocity.angular));
-        let mut energy = 0.5 * f64::from(linear + angular) - mass * f64::from(gravity.dot(pose.position));
+        let mut energy = self.energy_without_springs();
         let (wheels, vehicle) = (self.wheels(), self.world.get::<&Vehicle>(self.vehicle).unwrap());
         for (wheel, state) in vehicle.settings().wheels.iter().zip(&wheels) {
             let x = f64::from(state.compression);
             let beyond = (x - f64::from(wheel.suspension.travel)).max(0.0);
             energy += 0.5 * f64::from(wheel.suspension.stiffness) * x * x;
             energy += 0.5 * f64::from(wheel.suspension.bump_stiffness) * beyond * beyond;
-            energy += 0.5 * f64::from(wheel.inertia) * f64::from(state.spin).powi(2);
         }
         for bar in &vehicle.settings().anti_roll_bars {
             let [a, b] = bar.wheels.map(|wheel| f64::from(wheels[wheel].compression));
             energy += 0.5 * f64::from(bar.stiffness) * (a - b).powi(2);
         }
         energy
+    }
+
+    /// Kinetic energy of body and wheels, and what is in height \[J\].
+    pub(crate) fn energy_without_springs(&self) -> f64 {
+        let (pose, velocity) = (self.pose(), self.velocity());
+        let momentum = *self.world.get::<&Momentum>(self.vehicle).unwrap();
+        let mass = f64::from(self.world.get::<&Mass>(self.vehicle).unwrap().kilograms());
+        let gravity = self.simulation.settings().gravity;
+        let (linear, angular) = (momentum.linear.dot(velocity.linear), momentum.angular.dot(velocity.angular));
+        let vehicle = self.world.get::<&Vehicle>(self.vehicle).unwrap();
+        let spins = vehicle.settings().wheels.iter().zip(self.wheels());
+        let of_spins: f64 =
+            spins.map(|(wheel, state)| 0.5 * f64::from(wheel.inertia) * f64::from(state.spin).powi(2)).sum();
+        0.5 * f64::from(linear + angular) - mass * f64::from(gravity.dot(pose.position)) + of_spins
     }
 
     /// Gives the vehicle a speed along z, wheels that roll included.
