@@ -53,6 +53,8 @@ pub struct CharacterState {
     /// Its own velocity \[m/s\]: on the ground along the ground and relative to it, else in the
     /// world.
     pub velocity: Vec3,
+    /// The force by which it presses on what it stands on \[N\]: no more than its weight.
+    pub load: Real,
     /// Whether it crouches, because it is to or because there is no room.
     pub is_crouching: bool,
     /// Whether something that moves, and something else, leave it no room.
@@ -79,6 +81,7 @@ impl Default for CharacterState {
             ground_velocity: Vec3::ZERO,
             yaw_rate: 0.0,
             velocity: Vec3::ZERO,
+            load: 0.0,
             is_crouching: false,
             is_crushed: false,
             air_time: 0.0,

@@ -5,6 +5,7 @@ use tumble::math::{Real, Vec3};
 use tumble::{Collider, IgnoreContacts, InverseInertia, Mass, Momentum, Pose, Queries, Velocity};
 
 use crate::character::Character;
+use crate::state::{CharacterInput, CharacterState};
 use crate::vectors::{sin_cos, turned, unit};
 
 /// A kinematic body that moves and is no character.
@@ -24,6 +25,16 @@ pub(crate) enum Body {
     Kinematic(Mover),
     /// It is pushed.
     Dynamic(Mover),
+}
+
+/// Another character.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Other {
+    /// The middle line of its capsule.
+    pub(crate) spine: [Vec3; 2],
+    pub(crate) radius: Real,
+    /// How far it may come in the step.
+    pub(crate) reach: Real,
 }
 
 /// What characters ask about.
@@ -78,6 +89,17 @@ impl<'a> Surroundings<'a> {
             (false, true) => Body::Still,
             (false, false) => Body::Kinematic(mover),
         }
+    }
+
+    pub(crate) fn other(&self, entity: Entity) -> Option<Other> {
+        let found = self.world.entity(entity).ok()?;
+        let (character, position) = (found.get::<&Character>()?, found.get::<&Pose>()?.position);
+        let (state, input) = (found.get::<&CharacterState>()?, found.get::<&CharacterInput>()?);
+        let settings = character.settings();
+        let height = if state.is_crouching { settings.crouch_height } else { settings.height };
+        let spine = [settings.radius, height - settings.radius].map(|height| position + settings.up * height);
+        let speed = state.velocity.length().max(input.velocity.length()) + self.gravity.length() * self.dt;
+        Some(Other { spine, radius: settings.radius, reach: speed * self.dt })
     }
 
     pub(crate) fn is_character(&self, entity: Entity) -> bool {

@@ -86,7 +86,7 @@ impl Motion<'_> {
 
     /// Moves by a way without leave of what is passed over; slides along what is in the way.
     /// Returns what is left of it.
-    fn shift(&mut self, way: Vec3, passed: &[tumble::hecs::Entity]) -> Vec3 {
+    pub(super) fn shift(&mut self, way: Vec3, passed: &[tumble::hecs::Entity]) -> Vec3 {
         let mut rest = way;
         let mut planes: Vec<Plane> = Vec::new();
         let skin = self.skin();

@@ -1,12 +1,14 @@
 //! The way of one character through one step.
 
 mod carry;
+mod crowd;
 mod fly;
 mod footing;
 mod plan;
 mod push_out;
 mod step_up;
 mod walk;
+mod weight;
 
 use tumble::hecs::Entity;
 use tumble::math::{Quat, Real, Vec3};

@@ -7,7 +7,6 @@ use crate::motion::{Motion, Outcome};
 use crate::push::Weight;
 use crate::settings::Turning;
 use crate::state::{CharacterState, GroundState};
-use crate::surroundings::Body;
 use crate::vectors::{flat, limited};
 
 impl Motion<'_> {
@@ -15,6 +14,7 @@ impl Motion<'_> {
     pub(crate) fn plan(mut self) -> Outcome {
         let dt = self.around.dt;
         self.state.is_crushed = false;
+        let given_way = self.given_way();
         self.crouch_or_stand();
         let gravity = self.gravity();
         self.remember_jump();
@@ -31,10 +31,12 @@ impl Motion<'_> {
         } else {
             self.fly(gravity);
         }
+        self.keep_to_own_side();
         let own = self.position;
         self.be_carried();
         self.be_pushed(own);
-        self.outcome(gravity)
+        let weight = self.weigh(gravity, given_way);
+        self.outcome(weight)
     }
 
     /// Walks for a time \[s\], in parts no longer than its radius, so that it stays on ground that
@@ -116,15 +118,11 @@ impl Motion<'_> {
         (now != *self.collider).then(|| self.collider.clone())
     }
 
-    fn outcome(self, gravity: Vec3) -> Outcome {
+    fn outcome(self, weight: Option<Weight>) -> Outcome {
         let velocity = (self.position - self.start) / self.around.dt;
         let is_sane = velocity.is_finite() && self.state.velocity.is_finite();
         let linear = if is_sane { velocity } else { Vec3::ZERO };
         let follows = self.settings.turning == Turning::WithGround;
-        let weight = self.state.ground_entity.filter(|_| self.state.is_grounded());
-        let weight = weight.filter(|it| matches!(self.around.body(*it), Body::Dynamic(_)));
-        let weight =
-            weight.map(|entity| Weight { entity, point: self.state.ground_point, force: gravity * self.settings.mass });
         Outcome {
             velocity: Velocity { linear, angular: self.settings.up * if follows { self.state.yaw_rate } else { 0.0 } },
             collider: self.changed_collider(),

@@ -8,6 +8,9 @@ use crate::surroundings::Body;
 
 /// How many bodies it is pushed out of in a step.
 const MAX_PUSHES: usize = 8;
+/// How deep it may be in a loose body until it goes out of its way, in skins: less is left to the
+/// contact of both.
+const WEDGED: Real = 0.5;
 
 impl Motion<'_> {
     /// Whether its collider overlaps what a cast has met, and does not only touch it.
@@ -30,7 +33,8 @@ impl Motion<'_> {
                     return true;
                 }
                 let is_dynamic = matches!(self.around.body(hit.entity), Body::Dynamic(_));
-                let moved = if is_dynamic { 0.0 } else { self.leave(&hit, left) };
+                let gives_way = is_dynamic && self.depth(&hit) < WEDGED * skin;
+                let moved = if gives_way { 0.0 } else { self.leave(&hit, left) };
                 left -= moved;
                 has_changed |= moved > 0.0;
                 if self.depth(&hit) > -0.5 * skin {
