@@ -281,7 +281,7 @@ impl<'a> Plan<'a> {
             return (before.slack - back).clamp(0.0, there);
         }
         if self.state.count == 0 {
-            // One that begins deep in something does not begin with the stop of its springs pressed.
+            // One that begins deep in something does not begin with its stop pressed.
             return if there > self.hubs[wheel].travel { there } else { 0.0 };
         }
         (there - 1.5 * (closing * dt).max(0.0) - SUDDEN * radius).max(0.0)

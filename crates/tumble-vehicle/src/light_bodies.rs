@@ -12,10 +12,10 @@ use crate::state::WheelState;
 use crate::vehicle::Vehicle;
 
 /// Light bodies that a wheel goes through at the most; below them it finds what is not dynamic.
-const MOST_THROUGH: usize = 4;
+const MAX_THROUGH: usize = 4;
 
 /// Bodies on each other through which a load goes to what carries it.
-const MOST_STACKED: usize = 3;
+const MAX_STACKED: usize = 3;
 
 /// Gap between a light body and what carries it, over the radius of the wheel.
 const GAP: f64 = 0.05;
@@ -55,7 +55,7 @@ impl Finder<'_> {
         let ahead = (falls * self.dt).max(0.0);
         let highest = before.map_or(f64::INFINITY, |it| it.reach.max(0.0) + ahead + CLIMB * hub.radius);
         let (mut through, mut passed) = (Vec::new(), Vec::new());
-        while through.len() < MOST_THROUGH {
+        while through.len() < MAX_THROUGH {
             let filter = self.filter.without_all(&through);
             let found = hub.find_ground((self.vehicle, wheel), &self.chassis.axes, ahead, self.queries, &filter);
             let Some(ground) = found else { return (None, passed) };
@@ -87,7 +87,7 @@ impl Finder<'_> {
     fn bearer(&self, ground: &Ground, radius: f64, through: &[Entity]) -> Option<Entity> {
         let (mut body, mut point, mut normal) = (ground.entity, ground.point, ground.normal);
         let mut above = through.to_vec();
-        for _ in 0..MOST_STACKED {
+        for _ in 0..MAX_STACKED {
             above.push(body);
             let reach = 2.0 * radius;
             let down = Ray::new(vec3(point), vec3(-normal)).with_max_distance(real(reach));

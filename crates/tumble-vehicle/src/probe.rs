@@ -91,7 +91,7 @@ impl Hub {
         })
     }
 
-    /// How much further than a sphere the wheel in it goes: it ends in its plane, and not beside it.
+    /// How much further than a sphere the wheel in it goes: it ends in its plane, not beside it.
     fn sunk(&self, probe: Probe, normal: DVec3) -> f64 {
         if probe != Probe::Sphere {
             return 0.0;

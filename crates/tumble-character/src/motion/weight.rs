@@ -9,7 +9,7 @@ use crate::surroundings::Body;
 use crate::vectors::unit;
 
 /// The most that a body carries, in weights of the mass that is felt at the sole.
-const MOST_LOAD: Real = 8.0;
+const MAX_LOAD: Real = 8.0;
 /// The same in the first step on it, when it is not known what it rests on.
 const FIRST_LOAD: Real = 2.0;
 
@@ -50,7 +50,7 @@ impl Motion<'_> {
         let gained = before.map_or(0.0, |it| it.gained.dot(down));
         let wanted = full - mass * gained / dt;
         let load = self.state.load + (wanted - self.state.load) * (felt / (felt + mass));
-        let weights = if before.is_some() { MOST_LOAD } else { FIRST_LOAD };
+        let weights = if before.is_some() { MAX_LOAD } else { FIRST_LOAD };
         let most = full.min(weights * felt * gravity.length());
         self.state.load = if load.is_finite() { load.clamp(0.0, most) } else { 0.0 };
         Some(Weight { entity, point, force: down * self.state.load })
