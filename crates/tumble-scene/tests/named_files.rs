@@ -206,3 +206,34 @@ fn a_missing_file_refuses_the_document() {
     let error = Scene::load(&root.join("a.gltf")).unwrap_err().to_string();
     assert!(error.contains("missing.bin: cannot be read"), "{error}");
 }
+
+const MODELS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models");
+
+#[test]
+fn the_models_of_the_repository_are_read() {
+    let files: Vec<_> = fs::read_dir(MODELS).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert!(files.len() >= 4);
+    for file in files {
+        let read = Scene::load_with(&file, InertiaRepairs::Made);
+        assert!(read.is_ok_and(|scene| scene.body_count() > 0), "{}", file.display());
+    }
+}
+
+/// What is struck wakes, and the other towers sleep on.
+#[test]
+fn the_towers_of_the_model_sleep() {
+    let scene = Scene::load(&Path::new(MODELS).join("towers-asleep.json")).unwrap();
+    let mut simulation = tumble::Simulation::new(scene.settings).unwrap();
+    let (steps, mut world) = (scene.steps as u32, hecs::World::new());
+    scene.spawn(&mut world).unwrap();
+    simulation.step_many(&mut world, 60);
+    assert_eq!(simulation.sleeping_bodies().count(), 30);
+    let counts: Vec<_> = (60..steps)
+        .map(|_| {
+            simulation.step(&mut world);
+            simulation.sleeping_bodies().count()
+        })
+        .collect();
+    let least = counts.iter().copied().min().unwrap();
+    assert!((15..30).contains(&least) && counts.last() == Some(&31), "{least} and {:?} at the end", counts.last());
+}
