@@ -173,6 +173,17 @@ impl CharacterSettings {
         Ok(())
     }
 
+    /// The height of the space that it takes \[m\].
+    pub(crate) fn height_now(&self, is_crouching: bool) -> Real {
+        if is_crouching { self.crouch_height } else { self.height }
+    }
+
+    /// The ends of the middle line of its capsule, with its sole at a position.
+    pub(crate) fn spine(&self, position: Vec3, is_crouching: bool) -> [Vec3; 2] {
+        let heights = [self.radius, self.height_now(is_crouching) - self.radius];
+        heights.map(|height| position + self.up * height)
+    }
+
     /// What may be any number that is not negative.
     fn numbers(&self) -> [(&'static str, Real); 10] {
         [

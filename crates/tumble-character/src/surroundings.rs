@@ -96,8 +96,7 @@ impl<'a> Surroundings<'a> {
         let (character, position) = (found.get::<&Character>()?, found.get::<&Pose>()?.position);
         let (state, input) = (found.get::<&CharacterState>()?, found.get::<&CharacterInput>()?);
         let settings = character.settings();
-        let height = if state.is_crouching { settings.crouch_height } else { settings.height };
-        let spine = [settings.radius, height - settings.radius].map(|height| position + settings.up * height);
+        let spine = settings.spine(position, state.is_crouching);
         let speed = state.velocity.length().max(input.velocity.length()) + self.gravity.length() * self.dt;
         Some(Other { spine, radius: settings.radius, reach: speed * self.dt })
     }

@@ -51,9 +51,8 @@ impl Motion<'_> {
         near.into_iter().filter_map(|entity| self.around.other(entity)).collect()
     }
 
-    /// The middle line of its capsule at a position of its sole.
     fn spine(&self, position: Vec3) -> [Vec3; 2] {
-        [self.settings.radius, self.height() - self.settings.radius].map(|height| position + self.up() * height)
+        self.settings.spine(position, self.state.is_crouching)
     }
 }
 

@@ -119,7 +119,7 @@ impl<'a> Motion<'a> {
 
     /// The height of the space that it takes now \[m\].
     fn height(&self) -> Real {
-        if self.state.is_crouching { self.settings.crouch_height } else { self.settings.height }
+        self.settings.height_now(self.state.is_crouching)
     }
 
     fn filter(&self) -> QueryFilter<'_> {

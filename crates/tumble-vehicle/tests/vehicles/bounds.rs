@@ -83,10 +83,7 @@ fn nothing_but_the_motor_makes_energy() {
 #[test]
 fn a_fall_ends_on_the_wheels() {
     for case in 0..24 {
-        let mut draw = Draw::new(42, case);
-        let (mut plan, dt) = (draw.plan(), draw.dt());
-        plan.probe = draw.probe();
-        let mut course = Course::flat(&plan, dt);
+        let (mut draw, plan, mut course) = Course::drawn(42, case);
         let fall = draw.log_between(0.05, 3.0) as Real * plan.length;
         let start = course.pose().position + Vec3::Y * fall;
         course.world.get::<&mut tumble::Pose>(course.vehicle).unwrap().position = start;

@@ -84,6 +84,15 @@ impl Course {
         Self::on_plane(plan, dt, Quat::IDENTITY, 0.0)
     }
 
+    /// A random plan with any probe on level ground, at any step, and the numbers that are left.
+    pub(crate) fn drawn(stream: u64, case: u64) -> (Draw, VehiclePlan, Self) {
+        let mut draw = Draw::new(stream, case);
+        let (mut plan, dt) = (draw.plan(), draw.dt());
+        plan.probe = draw.probe();
+        let course = Self::flat(&plan, dt);
+        (draw, plan, course)
+    }
+
     /// On random hills up to a height \[m\], a size of this many vehicles' lengths.
     pub(crate) fn on_hills(plan: &VehiclePlan, dt: Real, draw: &mut Draw, height: f64, [x, z]: [usize; 2]) -> Self {
         let mut world = World::new();
@@ -165,16 +174,21 @@ impl Course {
 
     /// Kinetic energy of body and wheels, and what is in height \[J\].
     pub(crate) fn energy_without_springs(&self) -> f64 {
-        let (pose, velocity) = (self.pose(), self.velocity());
-        let momentum = *self.world.get::<&Momentum>(self.vehicle).unwrap();
-        let mass = f64::from(self.world.get::<&Mass>(self.vehicle).unwrap().kilograms());
-        let gravity = self.simulation.settings().gravity;
-        let (linear, angular) = (momentum.linear.dot(velocity.linear), momentum.angular.dot(velocity.angular));
         let vehicle = self.world.get::<&Vehicle>(self.vehicle).unwrap();
         let spins = vehicle.settings().wheels.iter().zip(self.wheels());
         let of_spins: f64 =
             spins.map(|(wheel, state)| 0.5 * f64::from(wheel.inertia) * f64::from(state.spin).powi(2)).sum();
-        0.5 * f64::from(linear + angular) - mass * f64::from(gravity.dot(pose.position)) + of_spins
+        self.energy_of(self.vehicle) + of_spins
+    }
+
+    /// Kinetic energy of a body, and what is in height \[J\].
+    pub(crate) fn energy_of(&self, body: Entity) -> f64 {
+        let body = self.world.entity(body).unwrap();
+        let (velocity, momentum) = (*body.get::<&Velocity>().unwrap(), *body.get::<&Momentum>().unwrap());
+        let mass = f64::from(body.get::<&Mass>().unwrap().kilograms());
+        let height = f64::from(self.simulation.settings().gravity.dot(body.get::<&Pose>().unwrap().position));
+        let (linear, angular) = (momentum.linear.dot(velocity.linear), momentum.angular.dot(velocity.angular));
+        0.5 * f64::from(linear + angular) - mass * height
     }
 
     /// Gives the vehicle a speed along z, wheels that roll included.

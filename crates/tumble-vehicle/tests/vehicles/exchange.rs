@@ -12,10 +12,7 @@ use crate::course::{Course, Draw, settling};
 #[test]
 fn momentum_is_kept_on_a_slab_that_slides() {
     for case in 0..24 {
-        let mut draw = Draw::new(60, case);
-        let (mut plan, dt) = (draw.plan(), draw.dt());
-        plan.probe = draw.probe();
-        let mut course = Course::flat(&plan, dt);
+        let (mut draw, plan, mut course) = Course::drawn(60, case);
         let ice = Material::new(0.0, 0.0);
         let ground = RigidBody::ground().material(ice);
         course.world.clear();
@@ -53,7 +50,7 @@ fn momentum_is_kept_on_a_slab_that_slides() {
             // Bodies beside others move on in substeps, which a torque does not follow: at four of
             // them by an eighth of the way of a step. What leaning wheels spin with is left out.
             let speeds = [slab, course.vehicle].map(|it| course.world.get::<&Velocity>(it).unwrap().linear.length());
-            let way = f64::from((speeds[0] + speeds[1]) * dt);
+            let way = f64::from((speeds[0] + speeds[1]) * course.simulation.settings().dt);
             budget += 0.125 * way * (linear_of(&course, slab) - slab_before).length();
             slab_before = linear_of(&course, slab);
             let error = (angular - before.1).abs();

@@ -33,15 +33,6 @@ fn scatter(course: &mut Course, draw: &mut Draw, plan: &VehiclePlan, count: usiz
     (0..count).map(|index| at(draw, index)).collect()
 }
 
-fn energy(course: &Course, body: Entity) -> f64 {
-    let velocity = *course.world.get::<&Velocity>(body).unwrap();
-    let momentum = *course.world.get::<&Momentum>(body).unwrap();
-    let height = f64::from(course.world.get::<&Pose>(body).unwrap().position.y);
-    let mass = f64::from(course.world.get::<&Mass>(body).unwrap().kilograms());
-    let twice = momentum.linear.dot(velocity.linear) + momentum.angular.dot(velocity.angular);
-    0.5 * f64::from(twice) + mass * GRAVITY * height
-}
-
 /// Without throttle, and at any time: no body is faster than twice the vehicle at the start, all
 /// of them and the vehicle have no more energy than then, and the vehicle stays near the ground.
 #[test]
@@ -64,14 +55,14 @@ fn no_body_is_thrown_by_more_than_the_vehicle_has() {
         course.drive(|input| input.steering = 0.02);
         course.step();
         let unit = mass * GRAVITY * length;
-        let start = course.energy() + bodies.iter().map(|it| energy(&course, *it)).sum::<f64>();
+        let start = course.energy() + bodies.iter().map(|it| course.energy_of(*it)).sum::<f64>();
         for step in 0..course.steps(2.5 * scale) {
             course.step();
             let speeds = bodies.iter().map(|it| course.world.get::<&Velocity>(*it).unwrap().linear.length());
             let fastest = f64::from(speeds.fold(0.0, Real::max));
             let most = 2.0 * speed + 3.0 * scale;
             assert!(fastest < most, "case {case}, step {step}: {fastest} m/s of a car of {speed} m/s");
-            let now = course.energy() + bodies.iter().map(|it| energy(&course, *it)).sum::<f64>();
+            let now = course.energy() + bodies.iter().map(|it| course.energy_of(*it)).sum::<f64>();
             let gained = (now - start) / unit;
             assert!(gained < 0.01, "case {case}, step {step}: gained {gained} of weight times length");
             let height = f64::from(course.pose().position.y) / length;

@@ -11,10 +11,7 @@ use crate::course::{Course, Draw, GRAVITY, assert_near, settling};
 #[test]
 fn each_wheel_carries_its_part_of_the_weight() {
     for case in 0..60 {
-        let mut draw = Draw::new(1, case);
-        let (mut plan, dt) = (draw.plan(), draw.dt());
-        plan.probe = draw.probe();
-        let mut course = Course::flat(&plan, dt);
+        let (_, plan, mut course) = Course::drawn(1, case);
         course.run(settling(&plan));
         let settings = plan.settings().unwrap();
         let weight = GRAVITY * f64::from(plan.mass);

@@ -44,10 +44,7 @@ fn a_minute_over_hills_at_thirty_metres_a_second() {
 #[test]
 fn it_gets_over_a_kerb() {
     for case in 0..24 {
-        let mut draw = Draw::new(51, case);
-        let (mut plan, dt) = (draw.plan(), draw.dt());
-        plan.probe = draw.probe();
-        let mut course = Course::flat(&plan, dt);
+        let (_, plan, mut course) = Course::drawn(51, case);
         let high = 0.33 * plan.wheel_radius;
         let kerb = Shape::cuboid([5.0, 0.5, 5.0].map(|edge| edge * f64::from(plan.length)));
         let place = Vec3::new(0.0, high - 0.5 * plan.length, 7.0 * plan.length);

@@ -4,7 +4,7 @@ use tumble::math::{Real, Vec3};
 use tumble::prelude::*;
 use tumble_vehicle::drive_vehicles;
 
-use crate::course::{Course, Draw, GRAVITY};
+use crate::course::{Course, GRAVITY};
 
 /// The most that energy grows over its least so far, over weight times length, without throttle.
 fn growth(course: &mut Course, steps: u32, unit: f64) -> f64 {
@@ -40,10 +40,7 @@ fn put(course: &mut Course, orientation: Quat, gap: Real) {
 #[test]
 fn let_go_on_its_side_it_gains_nothing() {
     for case in 0..90 {
-        let mut draw = Draw::new(90, case);
-        let (mut plan, dt) = (draw.plan(), draw.dt());
-        plan.probe = draw.probe();
-        let mut course = Course::flat(&plan, dt);
+        let (mut draw, plan, mut course) = Course::drawn(90, case);
         let lean = draw.real(1.15, 1.7) * draw.one_of(&[-1.0, 1.0]);
         put(&mut course, Quat::from_rotation_z(lean), 0.0);
         let unit = f64::from(plan.mass * plan.length) * GRAVITY;
@@ -57,10 +54,7 @@ fn let_go_on_its_side_it_gains_nothing() {
 #[test]
 fn thrown_over_flat_ground_it_gains_nothing() {
     for case in 0..90 {
-        let mut draw = Draw::new(91, case);
-        let (mut plan, dt) = (draw.plan(), draw.dt());
-        plan.probe = draw.probe();
-        let mut course = Course::flat(&plan, dt);
+        let (mut draw, plan, mut course) = Course::drawn(91, case);
         let axis = Vec3::new(draw.real(-1.0, 1.0), draw.real(-1.0, 1.0), draw.real(-1.0, 1.0)).normalize();
         let gap = draw.real(0.1, 1.0) * plan.length;
         put(&mut course, Quat::from_axis_angle(axis, draw.real(0.0, 3.1)), gap);

@@ -35,8 +35,8 @@ pub(crate) struct BodyKeys {
     now: Vec<Slot>,
     /// The entities that are in the world now, by new slot.
     here: Vec<Entity>,
-    /// Whether the keys are those of the bodies that were found last.
-    are_of_bodies: bool,
+    /// Of which list of bodies the keys are, if of any.
+    listing: Option<u64>,
 }
 
 /// Two bodies that touched, of which one is gone.
@@ -66,11 +66,11 @@ impl BodyKeys {
 
     /// Gives contacts the slots that the keys of their bodies have now, and drops those of bodies
     /// that are gone; `ended` are those of them that touched. Returns whether slots are others
-    /// than they were; `are_known` says of the bodies whether they are those found the last time.
+    /// than they were.
     pub(crate) fn renew(
         &mut self,
         world: &World,
-        (body_index, are_known): (&BodyIndex, bool),
+        body_index: &BodyIndex,
         contacts: [&mut Vec<ContactRecord>; 2],
         (ended, bereaved): (&mut Vec<EndedPair>, &mut Vec<Slot>),
     ) -> bool {
@@ -94,10 +94,11 @@ impl BodyKeys {
             }
         }
         let are_here = self.here == self.entities;
+        let listing = Some(body_index.listing());
         let has_keys = |keys: &Self| (0..count).all(|slot| keys.body_keys[slot] == member(slot));
-        let same = (are_known && self.are_of_bodies || self.body_keys.len() == count && has_keys(self))
+        let same = (self.listing == listing || self.body_keys.len() == count && has_keys(self))
             && (are_here || (0..count).all(|slot| !self.is_replaced(slot, slot)));
-        self.are_of_bodies = true;
+        self.listing = listing;
         if !same {
             self.match_keys(count, member);
             let Self { body_keys, entities, now, .. } = &*self;
@@ -157,7 +158,7 @@ impl BodyKeys {
     /// Takes keys that are in order, and finds their entities in a world; what is not there is
     /// [`Entity::DANGLING`].
     pub(crate) fn set(&mut self, body_keys: &[BodyKey], world: &World) {
-        self.are_of_bodies = false;
+        self.listing = None;
         self.body_keys.clear();
         self.body_keys.extend_from_slice(body_keys);
         self.entities.clear();
@@ -179,7 +180,7 @@ impl BodyKeys {
 
     /// Forgets all.
     pub(crate) fn clear(&mut self) {
-        self.are_of_bodies = false;
+        self.listing = None;
         self.body_keys.clear();
         self.entities.clear();
     }

@@ -36,19 +36,18 @@ pub(crate) struct ContactCache {
 
 impl ContactCache {
     /// Gives the contacts that there were the slots that their bodies have now, and drops those of
-    /// bodies that are gone. Returns whether all slots are what they were. With the bodies comes
-    /// whether they are those found the last time.
+    /// bodies that are gone. Returns whether all slots are what they were.
     pub(crate) fn renumber(
         &mut self,
         world: &World,
-        bodies: (&BodyIndex, bool),
+        body_index: &BodyIndex,
         contacts: [&mut Vec<ContactRecord>; 2],
     ) -> bool {
         let Self { body_keys, ended, bereaved, is_next, .. } = self;
         ended.clear();
         bereaved.clear();
         *is_next = true;
-        !body_keys.renew(world, bodies, contacts, (ended, bereaved))
+        !body_keys.renew(world, body_index, contacts, (ended, bereaved))
     }
 
     /// Says of which shapes contacts are, and puts them in order.

@@ -165,7 +165,7 @@ impl CollisionPipeline {
     ///
     /// Returns whether all slots are what they were.
     pub(crate) fn update(&mut self, world: &World, joints: &JointEnds) -> bool {
-        let are_known = self.body_index.find(world, |archetype, marks| {
+        self.body_index.find(world, |archetype, marks| {
             if archetype.has::<Collider>() || archetype.has::<LockedAxes>() || joints.connect_any_of(archetype) {
                 marks.mark_archetype();
             }
@@ -184,7 +184,7 @@ impl CollisionPipeline {
             ..
         } = self;
         let of_sleepers = &mut sleepers.contacts;
-        let same_slots = cache.renumber(world, (body_index, are_known), [&mut contacts.records, of_sleepers]);
+        let same_slots = cache.renumber(world, body_index, [&mut contacts.records, of_sleepers]);
         if !same_slots {
             let now = cache.body_keys.renumbered();
             collider_states.renumber(now, body_index.len());

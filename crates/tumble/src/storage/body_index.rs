@@ -76,8 +76,10 @@ pub(crate) struct BodyIndex {
     /// In the order of places: the numbers of entities, and their ids.
     entities: Vec<u32>,
     ids: Vec<Option<BodyId>>,
-    /// By archetype, where its slots begin in that order; and where the last end.
+    /// By archetype, where its slots begin in that order; those of the last end with all.
     begins: Vec<u32>,
+    /// How often bodies were listed: as long as it stays, they are the same in the same places.
+    listing: u64,
     pub(crate) views: Vec<BodyView>,
 }
 
@@ -118,8 +120,8 @@ impl Marks {
 
 impl BodyIndex {
     /// Finds the bodies among the entities that are marked when each archetype of the world is
-    /// shown. Returns whether all are those of the last time, in the same places.
-    pub(crate) fn find(&mut self, world: &World, marked: impl Fn(&Archetype, &mut Marks)) -> bool {
+    /// shown.
+    pub(crate) fn find(&mut self, world: &World, marked: impl Fn(&Archetype, &mut Marks)) {
         let mut marks = std::mem::take(&mut self.marks);
         marks.entities.clear();
         marks.archetypes.clear();
@@ -130,12 +132,16 @@ impl BodyIndex {
             }
         }
         // From step to step they are mostly the same, and need not be sorted again.
-        let is_same = self.is_known(world, &marks);
-        if !is_same {
+        if !self.is_known(world, &marks) {
             self.list(archetypes_of_bodies(world).flat_map(|it| found(it, &marks)));
+            self.listing += 1;
         }
         self.marks = marks;
-        is_same
+    }
+
+    /// The number of the list of bodies.
+    pub(crate) fn listing(&self) -> u64 {
+        self.listing
     }
 
     /// Whether the bodies among marked entities are those that were listed, in the same places.
@@ -158,6 +164,7 @@ impl BodyIndex {
         }
         count == self.by_place.len()
     }
+
     /// Gives slots to bodies, which come in the order of their places.
     fn list(&mut self, found: impl Iterator<Item = BodyPlace>) {
         let Self { members, slots, by_place, entities, ids, begins, .. } = self;
@@ -334,6 +341,7 @@ mod tests {
     use hecs::Entity;
 
     use super::*;
+    use crate::batch::rng::Rng;
 
     /// Entities with this component are found, with all others of their archetypes.
     struct Whole;
@@ -341,7 +349,7 @@ mod tests {
     /// It marks this entity.
     struct Mark(Entity);
 
-    fn find(index: &mut BodyIndex, world: &World) -> bool {
+    fn find(index: &mut BodyIndex, world: &World) {
         index.find(world, |archetype, marks| {
             if archetype.has::<Whole>() {
                 marks.mark_archetype();
@@ -349,17 +357,14 @@ mod tests {
             for Mark(entity) in archetype.get::<&Mark>().iter().flat_map(|column| column.iter()) {
                 marks.mark(entity.id());
             }
-        })
+        });
     }
 
     /// What is known from the last time gives what is found from nothing.
     #[test]
     fn an_index_that_is_kept_is_one_that_is_made() {
-        let mut state = 7_u64;
-        let mut draw = |below: usize| {
-            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (state >> 33) as usize % below.max(1)
-        };
+        let mut rng = Rng::new(7);
+        let mut draw = |below: usize| rng.next_u64() as usize % below.max(1);
         let (mut worlds, mut kept) = ([World::new(), World::new()], BodyIndex::default());
         let mut all: [Vec<Entity>; 2] = [Vec::new(), Vec::new()];
         let mut known = 0;
@@ -385,7 +390,9 @@ mod tests {
             let mut made = BodyIndex::default();
             find(&mut made, world);
             let before: Vec<_> = kept.all().map(|slot| (kept.key(slot), kept.place(slot))).collect();
-            let is_same = find(&mut kept, world);
+            let listing = kept.listing();
+            find(&mut kept, world);
+            let is_same = kept.listing() == listing;
             let now: Vec<_> = kept.all().map(|slot| (kept.key(slot), kept.place(slot))).collect();
             assert!(now.iter().copied().eq(made.all().map(|slot| (made.key(slot), made.place(slot)))));
             assert_eq!(is_same, now == before);

@@ -38,8 +38,9 @@ const shadowMap = (() => {
 // A box along the light around nothing.
 const emptyBox = () => [0, 1, 2].map(() => [Infinity, -Infinity]);
 
-// Has a box reach around a ball, from the target and in the camera's unit.
+// Has a box reach around a ball, from the target and in the camera's unit; what is nowhere casts no shadow.
 function include(box, place, radius) {
+  if (![...place, radius].every(Number.isFinite)) return;
   [light.across, light.above, light.towards].forEach((along, i) => {
     const at = dot(along, place);
     box[i] = [Math.min(box[i][0], at - radius), Math.max(box[i][1], at + radius)];
