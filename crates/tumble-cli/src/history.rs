@@ -6,7 +6,7 @@ use hecs::World;
 use tumble::{ForceLaws, Ledger, LedgerEntry, Simulation, Totals, Work};
 use tumble_record::{Plot, Scale, SeriesStyle};
 
-use crate::drift::EVERY_STEP_UP_TO;
+use crate::interval::EVERY_STEP_UP_TO;
 
 /// Energy, momentum and work at every sample of a run.
 ///

@@ -6,7 +6,6 @@
 
 #[cfg(feature = "compare")]
 mod compare;
-mod drift;
 mod ending;
 mod failure;
 mod first_run;
@@ -14,6 +13,7 @@ mod generated;
 mod history;
 mod inspect;
 mod interrupt;
+mod interval;
 mod options;
 mod outputs;
 mod print;

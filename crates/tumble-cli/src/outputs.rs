@@ -8,12 +8,11 @@ use std::{fs, io};
 
 use tumble::PhaseTimes;
 use tumble_record::{
-    Animation, Frame, Kept, PendingFile, Replay, ReportPage, Summary, TrajectoryError, TrajectoryFormat,
+    Animation, Drift, Frame, Kept, PendingFile, Replay, ReportPage, Summary, TrajectoryError, TrajectoryFormat,
     TrajectoryWriter,
 };
 use tumble_scene::Scene;
 
-use crate::drift::Drift;
 use crate::ending::trajectory_format;
 use crate::failure::Failure;
 use crate::history::History;

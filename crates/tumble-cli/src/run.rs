@@ -8,14 +8,14 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use tumble::math::PRECISION;
 use tumble::{BodyId, BodyOrder, PhaseTimes, Simulation, simd_name, state_hash};
 use tumble_import::InertiaRepairs;
-use tumble_record::{Frame, Kept, Replay, Summary};
+use tumble_record::{Drift, Frame, Kept, NotFinite, Replay, Summary};
 use tumble_scene::{BodyNames, Scene, steps_of_duration};
 
-use crate::drift::{Drift, NotFinite, interval};
 use crate::failure::Failure;
 use crate::first_run::{self, FirstRun};
 use crate::history::History;
 use crate::inspect::{REPAIR, is_repairable};
+use crate::interval::interval;
 use crate::options::{RunOptions, StepOptions};
 use crate::outputs::{Findings, Outputs};
 use crate::progress::Progress;

@@ -6,9 +6,8 @@ use std::path::Path;
 use serde::Serialize;
 use tumble::PhaseTimes;
 use tumble_import::printable_json;
-use tumble_record::{Kept, Summary};
+use tumble_record::{Drift, Kept, Summary};
 
-use crate::drift::Drift;
 use crate::failure::Failure;
 use crate::table::systems;
 

@@ -7,9 +7,8 @@ use std::time::Duration;
 use clap::builder::styling::Style;
 use tumble::PhaseTimes;
 use tumble_import::printable;
-use tumble_record::{Conserved, Kept, Summary};
+use tumble_record::{Conserved, Drift, Kept, Summary};
 
-use crate::drift::Drift;
 use crate::print::HEADING;
 
 /// The table at the end of a run.

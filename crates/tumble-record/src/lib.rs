@@ -2,7 +2,7 @@
 //!
 //! [`TrajectoryWriter`] records the states of the bodies of a [`Scene`](tumble_scene::Scene) as
 //! CSV, Parquet or animated glTF, so that the file can be read at any moment. [`Summary`] is what a
-//! run reports and [`MomentumScale`] what it measures drift by, [`Plot`] is a picture of series,
+//! run reports, [`Drift`] how well it kept energy and momentum, [`Plot`] is a picture of series,
 //! [`body_drawing`] one of a body, and [`ReportPage`] a page that shows all of it with a
 //! [`Replay`]. [`PendingFile`] makes files appear whole or not at all.
 //!
@@ -36,6 +36,7 @@
 mod body_drawing;
 mod colors;
 mod csv_cell;
+mod drift;
 mod energy_scale;
 mod ground_patches;
 mod kept;
@@ -50,6 +51,7 @@ mod trajectory;
 pub use body_drawing::body_drawing;
 pub use colors::{BODY_COLORS, FIXED_COLOR, GROUND_COLOR};
 pub use csv_cell::csv_cell;
+pub use drift::{Drift, NotFinite};
 pub use energy_scale::energy_scale;
 pub use ground_patches::ground_patches;
 pub use kept::Kept;

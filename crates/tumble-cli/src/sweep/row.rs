@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
-use tumble_record::{STATE_COLUMNS, csv_cell, state_numbers};
+use tumble_record::{Drift, STATE_COLUMNS, csv_cell, state_numbers};
 use tumble_scene::VariedWorld;
 
 use crate::sweep::Sweep;
@@ -13,7 +13,6 @@ use crate::sweep::series::Series;
 use tumble::math::Real;
 use tumble::{BodyOrder, Pose, Trial, Velocity};
 
-use crate::drift::Drift;
 use crate::interrupt;
 
 /// Between two looks at Ctrl-C, unless a single step takes longer.

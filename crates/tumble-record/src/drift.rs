@@ -2,26 +2,33 @@
 
 use hecs::{Entity, World};
 use tumble::{BodyOrder, Settings, Totals};
-use tumble_record::{Conserved, MomentumScale, energy_scale};
 
-/// Up to this number of body-steps every step is a sample: measuring them all takes a second at
-/// most.
-pub(crate) const EVERY_STEP_UP_TO: u64 = 1_000_000;
-
-/// Samples of longer runs.
-const SAMPLES: u64 = 64;
-
-/// Steps between samples; the last step is always one.
-pub(crate) fn interval(bodies: u64, steps: u64) -> u64 {
-    if bodies.max(1).saturating_mul(steps) <= EVERY_STEP_UP_TO { 1 } else { steps.div_ceil(SAMPLES).max(1) }
-}
+use crate::energy_scale::energy_scale;
+use crate::momentum_scale::MomentumScale;
+use crate::summary::Conserved;
 
 /// Why a sample cannot be taken.
-pub(crate) enum NotFinite {
+///
+/// ```
+/// use tumble_record::NotFinite;
+///
+/// assert_eq!(NotFinite::Total.to_string(), "the total energy or momentum is not finite");
+/// ```
+#[derive(Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum NotFinite {
     /// This body's state is not finite.
+    #[error("the state of entity {0:?} is not finite")]
     Body(Entity),
     /// The states are, but a sum over them is not.
+    #[error("the total energy or momentum is not finite")]
     Total,
+}
+
+/// As it is displayed, so that a `main` that returns it ends with a sentence.
+impl std::fmt::Debug for NotFinite {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Display::fmt(self, formatter)
+    }
 }
 
 /// The totals at both ends, and the largest departures from the start in between.
@@ -31,7 +38,26 @@ pub(crate) enum NotFinite {
 /// exchanged, for a body dropped from rest at the origin has no energy at all). For the momenta:
 /// the sum over bodies of their magnitudes at the start, which is `|initial|` for one body and does
 /// not cancel for many.
-pub(crate) struct Drift {
+///
+/// ```
+/// use tumble_record::Drift;
+/// use tumble_scene::Scene;
+///
+/// let scene = Scene::open("t-handle")?;
+/// let mut simulation = tumble::Simulation::new(scene.settings)?;
+/// let mut world = hecs::World::new();
+/// scene.spawn(&mut world)?;
+/// let order = tumble::BodyOrder::of(&world);
+/// let mut drift = Drift::start(&world, simulation.settings(), &order)?;
+/// for _ in 0..10 {
+///     simulation.step_many(&mut world, 6);
+///     drift.sample(&world, simulation.settings(), &order)?;
+/// }
+/// assert!(drift.energy().max_relative_drift < 1e-5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Drift {
     initial: Totals,
     latest: Totals,
     scale: MomentumScale,
@@ -42,7 +68,11 @@ pub(crate) struct Drift {
 }
 
 impl Drift {
-    pub(crate) fn start(world: &World, settings: &Settings, order: &BodyOrder) -> Result<Self, NotFinite> {
+    /// Begins with the state at the start.
+    ///
+    /// # Errors
+    /// [`NotFinite`] if a body's state or a sum over the states is not finite.
+    pub fn start(world: &World, settings: &Settings, order: &BodyOrder) -> Result<Self, NotFinite> {
         let initial = finite_totals(world, settings, order)?;
         let nothing = 0.0;
         Ok(Self {
@@ -56,7 +86,12 @@ impl Drift {
         })
     }
 
-    pub(crate) fn sample(&mut self, world: &World, settings: &Settings, order: &BodyOrder) -> Result<(), NotFinite> {
+    /// Takes a sample of the state as it is now.
+    ///
+    /// # Errors
+    /// [`NotFinite`] if a body's state or a sum over the states is not finite; the samples before
+    /// it stay.
+    pub fn sample(&mut self, world: &World, settings: &Settings, order: &BodyOrder) -> Result<(), NotFinite> {
         let now = finite_totals(world, settings, order)?;
         let start = &self.initial;
         self.energy = self.energy.max((now.energy() - start.energy()).abs());
@@ -67,20 +102,27 @@ impl Drift {
         Ok(())
     }
 
-    pub(crate) fn initial(&self) -> &Totals {
+    /// The totals at the start.
+    #[must_use]
+    pub fn initial(&self) -> &Totals {
         &self.initial
     }
 
-    pub(crate) fn latest(&self) -> &Totals {
+    /// The totals at the last sample.
+    #[must_use]
+    pub fn latest(&self) -> &Totals {
         &self.latest
     }
 
     /// What departures of the energy are compared to \[J\].
-    pub(crate) fn energy_scale(&self) -> f64 {
+    #[must_use]
+    pub fn energy_scale(&self) -> f64 {
         energy_scale(&self.initial, self.exchanged)
     }
 
-    pub(crate) fn energy(&self) -> Conserved<f64> {
+    /// Kinetic energy and potentials together \[J\].
+    #[must_use]
+    pub fn energy(&self) -> Conserved<f64> {
         let start = &self.initial;
         Conserved {
             initial: start.energy(),
@@ -89,7 +131,9 @@ impl Drift {
         }
     }
 
-    pub(crate) fn linear_momentum(&self) -> Conserved<[f64; 3]> {
+    /// Linear momentum \[kg m/s\].
+    #[must_use]
+    pub fn linear_momentum(&self) -> Conserved<[f64; 3]> {
         Conserved {
             initial: self.initial.linear_momentum.to_array(),
             r#final: self.latest.linear_momentum.to_array(),
@@ -97,7 +141,9 @@ impl Drift {
         }
     }
 
-    pub(crate) fn angular_momentum(&self) -> Conserved<[f64; 3]> {
+    /// Angular momentum about the world's origin \[kg m^2/s\].
+    #[must_use]
+    pub fn angular_momentum(&self) -> Conserved<[f64; 3]> {
         Conserved {
             initial: self.initial.angular_momentum.to_array(),
             r#final: self.latest.angular_momentum.to_array(),
@@ -133,14 +179,6 @@ fn finite_totals(world: &World, settings: &Settings, order: &BodyOrder) -> Resul
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn short_runs_are_sampled_at_every_step_and_long_ones_at_most_64_times() {
-        assert_eq!(interval(1, 1_000_000), 1);
-        assert_eq!(interval(10_000, 600), 10);
-        assert!(1_000_000_007_u64.div_ceil(interval(1, 1_000_000_007)) <= SAMPLES);
-        assert_eq!(interval(u64::MAX, 1), 1);
-    }
 
     #[test]
     fn a_drift_is_always_a_finite_number() {
