@@ -26,7 +26,7 @@ const MAX_LINES: usize = 500;
 /// Columns of a comment.
 const MAX_COMMENT: usize = 100;
 /// Folders and files of a crate's root, from the ground up: each imports only from those before it.
-const ORDERS: [(&str, &str); 5] = [
+const ORDERS: [(&str, &str); 6] = [
     (
         "crates/tumble/src",
         "scope event_log math lane range rotation integrator settings clock threads components simd \
@@ -48,6 +48,11 @@ const ORDERS: [(&str, &str); 5] = [
          plot body_drawing trajectory report_page lib",
     ),
     (
+        "crates/tumble-sweep/src",
+        "distribution_error distribution parameter observation shard run_status error sweep_plan sweep series row \
+         identity file_error reader sweep_file series_file merge_error merge lib",
+    ),
+    (
         "crates/tumble-vehicle/src",
         "precision error settings state slip_curve drive_torque rigid vehicle probe light_bodies \
          wheel_step solve drive_vehicles plan jointed lib",
@@ -66,7 +71,7 @@ struct Rule {
 }
 
 /// The workspace from the bottom up. The engine and those above it add a mathematics crate.
-const RULES: [Rule; 17] = [
+const RULES: [Rule; 18] = [
     Rule { member: "crates/tumble-math", members: &[], outside: Some(&["glam", "libm", "serde", "thiserror"]) },
     Rule { member: "crates/tumble-collide", members: &["tumble-math"], outside: Some(&["thiserror"]) },
     Rule {
@@ -80,8 +85,13 @@ const RULES: [Rule; 17] = [
     Rule { member: "crates/tumble-scene", members: &["tumble", "tumble-import", "tumble-math"], outside: None },
     Rule { member: "crates/tumble-record", members: &["tumble", "tumble-import", "tumble-scene"], outside: None },
     Rule {
+        member: "crates/tumble-sweep",
+        members: &["tumble", "tumble-import", "tumble-math", "tumble-record", "tumble-scene"],
+        outside: Some(&["csv", "libm", "serde", "serde_json", "thiserror"]),
+    },
+    Rule {
         member: "crates/tumble-cli",
-        members: &["tumble", "tumble-import", "tumble-record", "tumble-scene"],
+        members: &["tumble", "tumble-import", "tumble-record", "tumble-scene", "tumble-sweep"],
         outside: None,
     },
     Rule { member: "examples/first-window", members: &["tumble"], outside: None },
@@ -112,6 +122,7 @@ const RULES: [Rule; 17] = [
             "tumble-math",
             "tumble-record",
             "tumble-scene",
+            "tumble-sweep",
             "tumble-vehicle",
         ],
         outside: None,

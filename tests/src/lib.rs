@@ -38,6 +38,9 @@ mod documents {
     #[doc = include_str!("../../crates/tumble-scene/README.md")]
     struct ReadmeOfScene;
 
+    #[doc = include_str!("../../crates/tumble-sweep/README.md")]
+    struct ReadmeOfSweep;
+
     #[doc = include_str!("../../crates/tumble-vehicle/README.md")]
     struct ReadmeOfVehicle;
 

@@ -3,9 +3,7 @@
 use std::path::Path;
 
 use tumble_scene::SceneError;
-
-use crate::sweep::error::SweepError;
-use crate::sweep::file::SweepFileError;
+use tumble_sweep::{MergeError, SeriesFileError, SweepError, SweepFileError};
 
 /// Each variant has an exit code of its own.
 #[derive(Debug, thiserror::Error)]
@@ -69,6 +67,26 @@ impl From<SweepFileError> for Failure {
             {
                 Self::Running(error.to_string())
             }
+            _ => Self::Input(error.to_string()),
+        }
+    }
+}
+
+impl From<SeriesFileError> for Failure {
+    fn from(error: SeriesFileError) -> Self {
+        match error {
+            SeriesFileError::Busy(error) => error.into(),
+            SeriesFileError::Write { .. } => Self::Running(error.to_string()),
+            _ => Self::Input(error.to_string()),
+        }
+    }
+}
+
+impl From<MergeError> for Failure {
+    fn from(error: MergeError) -> Self {
+        match error {
+            MergeError::File(error) => error.into(),
+            MergeError::Write { .. } => Self::Running(error.to_string()),
             _ => Self::Input(error.to_string()),
         }
     }

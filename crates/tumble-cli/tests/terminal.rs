@@ -273,6 +273,7 @@ fn nothing_else_writes_to_a_stream() {
         "tumble-import",
         "tumble-scene",
         "tumble-record",
+        "tumble-sweep",
         "tumble-vehicle",
         "tumble-cli",
         "tumble-view",

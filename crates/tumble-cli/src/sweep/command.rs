@@ -6,13 +6,9 @@ use std::ops::{ControlFlow, Range};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use tumble_import::printable;
-
-use crate::sweep::Sweep;
-use crate::sweep::file::SweepFile;
-use crate::sweep::identity::SweepIdentity;
-use crate::sweep::run_status::RunStatus;
 use tumble::for_each_world;
+use tumble_import::printable;
+use tumble_sweep::{Row, RunStatus, SeriesFile, Sweep, SweepFile, SweepIdentity};
 
 use crate::ending::check_ending;
 use crate::failure::Failure;
@@ -21,8 +17,6 @@ use crate::progress::Progress;
 use crate::run::{check_simd, pool};
 use crate::sweep::options::SweepOptions;
 use crate::sweep::plot::SweepPlot;
-use crate::sweep::row::{Row, columns, row};
-use crate::sweep::series::SeriesFile;
 use crate::{interrupt, print};
 
 /// Runs the worlds of a sweep and writes a row for each.
@@ -37,7 +31,7 @@ pub(crate) fn sweep(options: &SweepOptions) -> Result<(), Failure> {
     refuse_twice(&options.body)?;
     check_simd()?;
     let sweep = Sweep::new(options.plan())?;
-    let columns = columns(&sweep);
+    let columns = sweep.columns();
     let pool = pool(&options.stepping)?;
     interrupt::watch()?;
     let plot = SweepPlot::open(&options.plot, &columns, sweep.files().to_vec())?;
@@ -89,15 +83,15 @@ impl Files {
         if fs::canonicalize(path).is_ok_and(|path| fs::canonicalize(out).is_ok_and(|out| out == path)) {
             return Err(Failure::Input(format!("{}: is --out already", path.display())));
         }
-        SeriesFile::open(path, identity, rows.first_missing_world())
+        Ok(SeriesFile::open(path, identity, rows.first_missing_world())?)
     }
 
     fn append(&mut self, row: &Row) -> Result<(), Failure> {
         if let Some(series) = &mut self.series {
-            series.append(&row.series)?;
+            series.append(row)?;
         }
         // Not kept back: what is finished is safe if the program is killed.
-        self.rows.append(row.text.as_bytes()).map_err(|error| Failure::Running(error.to_string()))
+        self.rows.append(row).map_err(|error| Failure::Running(error.to_string()))
     }
 
     fn finish(self) -> Result<(), Failure> {
@@ -121,7 +115,7 @@ fn run(sweep: &Sweep, mut files: Files, report: &mut Report, quiet: bool) -> Res
     let progress = Progress::start_worlds(report.begun_at - start, end - start, quiet);
     let stopped = for_each_world(
         report.begun_at..end,
-        |index| if interrupt::asked() { None } else { row(sweep, index) },
+        |world| if interrupt::asked() { None } else { sweep.row(world, &interrupt::asked) },
         |index, row| {
             let Some(row) = row else { return ControlFlow::Break(None) };
             if let Err(failure) = files.append(&row) {

@@ -3,12 +3,9 @@
 use std::num::NonZeroU64;
 use std::path::PathBuf;
 
-use tumble_scene::RunLength;
-
-use crate::sweep::parameter::SweepParameter;
-use crate::sweep::shard::Shard;
-use crate::sweep::{MAX_WORLDS, SweepPlan};
 use clap::Args;
+use tumble_scene::RunLength;
+use tumble_sweep::{MAX_WORLDS, Shard, SweepParameter, SweepPlan};
 
 use crate::options::{StepOptions, count_up_to, every};
 

@@ -4,8 +4,7 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use tumble_record::{PendingFile, Plot, Scale, SeriesStyle, csv_cell};
-
-use crate::sweep::file::SweepReader;
+use tumble_sweep::{SweepFileError, SweepReader};
 
 use crate::ending::check_ending;
 use crate::failure::Failure;
@@ -78,7 +77,7 @@ impl SweepPlot {
         written.map_err(|error| Failure::writing(&self.path, &error))
     }
 
-    fn points(&self, from: &Path) -> Result<Vec<(f64, f64)>, crate::sweep::file::SweepFileError> {
+    fn points(&self, from: &Path) -> Result<Vec<(f64, f64)>, SweepFileError> {
         let mut reader = SweepReader::open(from)?;
         let worlds = reader.worlds();
         let stride = (worlds.end - worlds.start).div_ceil(MAX_POINTS).max(1);

@@ -3,30 +3,78 @@
 use std::fmt;
 use std::str::FromStr;
 
-use crate::sweep::distribution::Distribution;
+use crate::distribution::Distribution;
+use crate::distribution_error::DistributionError;
 
 /// Numeric fields of a scene that one draw changes, written `FIELD=LO..HI`, `FIELD,FIELD=LO..HI` or
 /// `FIELD,FIELD*-1=LO..HI` and the like.
+///
+/// ```
+/// use tumble_sweep::SweepParameter;
+///
+/// let mirrored: SweepParameter = "bodies.0.position.0, bodies.1.position.0*-1 = 1..2".parse()?;
+/// assert_eq!(mirrored.fields[1], ("bodies.1.position.0".to_owned(), -1.0));
+/// assert_eq!(mirrored.to_string(), "bodies.0.position.0,bodies.1.position.0*-1=1..2");
+/// # Ok::<(), tumble_sweep::ParameterError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct SweepParameter {
-    /// The paths of the fields, see [`Sweep`](crate::sweep::Sweep), and by what each multiplies.
-    pub(crate) fields: Vec<(String, f64)>,
+pub struct SweepParameter {
+    /// The paths of the fields, see [`Sweep`](crate::Sweep), and by what each multiplies.
+    pub fields: Vec<(String, f64)>,
     /// What the values are drawn from.
-    pub(crate) distribution: Distribution,
+    pub distribution: Distribution,
 }
+
+/// Why a text is no [`SweepParameter`]. `Display` is a sentence that names the field.
+///
+/// ```
+/// use tumble_sweep::SweepParameter;
+///
+/// let error = "dt=2..1".parse::<SweepParameter>().unwrap_err();
+/// assert_eq!(error.to_string(), "dt: 2..1: 2 is more than 1");
+/// ```
+#[derive(Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ParameterError {
+    /// It has no equals sign.
+    #[error("{text:?} is not FIELD=DISTRIBUTION")]
+    Form {
+        /// All of it.
+        text: String,
+    },
+    /// What follows the equals sign is no distribution.
+    #[error("{fields}: {error}")]
+    Distribution {
+        /// What is before it.
+        fields: String,
+        /// What is wrong with the distribution.
+        error: DistributionError,
+    },
+    /// A field is multiplied by what is not finite.
+    #[error("{field}: {factor} is no finite factor")]
+    Factor {
+        /// Its path.
+        field: String,
+        /// By what.
+        factor: f64,
+    },
+}
+
+tumble_math::debug_as_display!(ParameterError);
 
 /// What a path begins with. A name of a body may have a comma in it, which parts no fields.
 const ROOTS: [&str; 9] =
     ["bodies", "joints", "gravity", "dt", "steps", "substeps", "contact_substeps", "restitution_threshold", "sleep"];
 
 impl FromStr for SweepParameter {
-    type Err = String;
+    type Err = ParameterError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, ParameterError> {
         // A name of a body may have an equals sign in it, a distribution has none.
         let (fields, distribution) =
-            text.rsplit_once('=').ok_or_else(|| format!("{text:?} is not FIELD=DISTRIBUTION"))?;
-        let distribution = distribution.parse().map_err(|problem| format!("{}: {problem}", fields.trim()))?;
+            text.rsplit_once('=').ok_or_else(|| ParameterError::Form { text: text.to_owned() })?;
+        let refused = |error| ParameterError::Distribution { fields: fields.trim().to_owned(), error };
+        let distribution = distribution.parse().map_err(refused)?;
         let fields = apart(fields).into_iter().map(field).collect::<Result<_, _>>()?;
         Ok(Self { fields, distribution })
     }
@@ -52,11 +100,11 @@ fn apart(fields: &str) -> Vec<&str> {
 }
 
 /// A field and its factor, which stands last.
-fn field(text: &str) -> Result<(String, f64), String> {
+fn field(text: &str) -> Result<(String, f64), ParameterError> {
     let text = text.trim();
     let factor = |(field, factor): (&str, &str)| Some((field.trim().to_owned(), factor.trim().parse::<f64>().ok()?));
     match text.rsplit_once('*').and_then(factor) {
-        Some((field, factor)) if !factor.is_finite() => Err(format!("{field}: {factor} is no finite factor")),
+        Some((field, factor)) if !factor.is_finite() => Err(ParameterError::Factor { field, factor }),
         Some(found) => Ok(found),
         None => Ok((text.to_owned(), 1.0)),
     }

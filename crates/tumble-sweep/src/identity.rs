@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use tumble::math::PRECISION;
 use tumble_scene::RunLength;
 
+use crate::shard::Shard;
 use crate::sweep::Sweep;
-use crate::sweep::shard::Shard;
 
 /// The version of the files; the only one so far.
 const FORMAT: u32 = 1;
@@ -23,9 +23,21 @@ const ARITHMETIC: u32 = 1;
 /// Threads and instruction sets are not in it, because no bit depends on them. It says nothing of
 /// the place of the scene's file either, which differs between machines; a hash of its text stands
 /// for it.
+///
+/// ```
+/// use tumble_sweep::{Sweep, SweepIdentity, SweepPlan};
+///
+/// let plan =
+///     SweepPlan { scene: "t-handle".into(), worlds: Some(10), ..SweepPlan::default() };
+/// let sweep = Sweep::new(plan)?;
+/// assert_eq!(SweepIdentity::new(&sweep, None).range(), 0..10);
+/// let second = SweepIdentity::new(&sweep, Some("2/3".parse()?));
+/// assert_eq!(second.range(), 3..6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct SweepIdentity {
+pub struct SweepIdentity {
     format: u32,
     tumble: String,
     arithmetic: u32,
@@ -62,7 +74,8 @@ pub(crate) struct SweepIdentity {
 impl SweepIdentity {
     /// That of a sweep, or of one shard of it.
     #[allow(clippy::useless_conversion, reason = "dt is f64 already in one of the two builds")]
-    pub(crate) fn new(sweep: &Sweep, shard: Option<Shard>) -> Self {
+    #[must_use]
+    pub fn new(sweep: &Sweep, shard: Option<Shard>) -> Self {
         let plan = sweep.plan();
         let (steps, duration) = match plan.length {
             Some(RunLength::Steps(steps)) => (Some(steps), None),
@@ -93,12 +106,14 @@ impl SweepIdentity {
     }
 
     /// Which part of the sweep the file is; `None` for the whole.
-    pub(crate) fn shard(&self) -> Option<Shard> {
+    #[must_use]
+    pub fn shard(&self) -> Option<Shard> {
         self.shard.as_ref().and_then(|shard| shard.parse().ok())
     }
 
     /// The worlds that the finished file has: all, or those of its shard.
-    pub(crate) fn range(&self) -> Range<u64> {
+    #[must_use]
+    pub fn range(&self) -> Range<u64> {
         self.shard().map_or(0..self.worlds, |shard| shard.range(self.worlds))
     }
 
@@ -127,7 +142,7 @@ impl SweepIdentity {
             return Err(format!("it is of format {}, and this program knows {FORMAT}", self.format));
         }
         match &self.shard {
-            Some(shard) => shard.parse::<Shard>().map(|_| ()),
+            Some(shard) => shard.parse::<Shard>().map(|_| ()).map_err(|error| error.to_string()),
             None => Ok(()),
         }
     }
@@ -136,7 +151,7 @@ impl SweepIdentity {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::sweep::SweepPlan;
+    use crate::sweep_plan::SweepPlan;
 
     /// The pins that the revision stands for.
     const REVISION: u32 = 1;
@@ -151,7 +166,7 @@ mod tests {
 
     #[test]
     fn another_arithmetic_has_another_revision() {
-        let determinism = include_str!("../../../../tests/determinism/determinism.rs");
+        let determinism = include_str!("../../../tests/determinism/determinism.rs");
         assert!(
             PINS.iter().all(|pin| determinism.contains(pin)),
             "the pinned hashes changed: raise ARITHMETIC and REVISION by one, and put the new hashes here"

@@ -1,8 +1,14 @@
 //! The status of a world in a sweep, as its row in the result file names it.
 
 /// What a world of a sweep came to, as its row says it.
+///
+/// ```
+/// use tumble_sweep::RunStatus;
+///
+/// assert_eq!(RunStatus::NotFinite.name(), "not-finite");
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum RunStatus {
+pub enum RunStatus {
     /// It was run to its end; only then does anything follow in the row.
     Ok,
     /// No body, or no simulation, has the values that were drawn.
@@ -15,7 +21,8 @@ impl RunStatus {
     const ALL: [Self; 3] = [Self::Ok, Self::Impossible, Self::NotFinite];
 
     /// The word for it in a row.
-    pub(crate) fn name(self) -> &'static str {
+    #[must_use]
+    pub fn name(self) -> &'static str {
         match self {
             Self::Ok => "ok",
             Self::Impossible => "impossible",

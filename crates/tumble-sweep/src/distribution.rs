@@ -6,12 +6,24 @@ use std::str::FromStr;
 
 use tumble::Rng;
 
-/// What the values of a field are drawn from in a [`Sweep`](crate::sweep::Sweep).
+use crate::distribution_error::DistributionError;
+
+/// What the values of a field are drawn from in a [`Sweep`](crate::Sweep).
 ///
 /// Read and written as `LO..HI`, `normal(MEAN,SD)`, `choice(A,B,..)`, `grid(LO,HI,N)` or
 /// `list(A,B,..)`.
+///
+/// ```
+/// use tumble_sweep::Distribution;
+///
+/// let heights: Distribution = "grid(0, 1, 5)".parse()?;
+/// assert_eq!(heights, Distribution::Grid { low: 0.0, high: 1.0, count: 5 });
+/// assert_eq!(heights.to_string(), "grid(0,1,5)");
+/// # Ok::<(), tumble_sweep::DistributionError>(())
+/// ```
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Distribution {
+#[non_exhaustive]
+pub enum Distribution {
     /// Any number from `low` to `high`, equally likely.
     Uniform {
         /// The smallest.
@@ -167,9 +179,9 @@ fn standard_normal(rng: &mut Rng) -> f64 {
 }
 
 impl FromStr for Distribution {
-    type Err = String;
+    type Err = DistributionError;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, DistributionError> {
         let text = text.trim();
         let distribution = if let Some(arguments) = arguments(text, "normal") {
             let [mean, deviation] = numbers(text, arguments)?;
@@ -178,8 +190,8 @@ impl FromStr for Distribution {
             let (ends, count) = arguments.rsplit_once(',').ok_or_else(|| form(text))?;
             let [low, high] = numbers(text, ends)?;
             let count = count.trim();
-            let count = count.parse().map_err(|_| format!("{text}: {count:?} is not a number of values"))?;
-            Self::Grid { low, high, count }
+            let refused = |_| DistributionError::Count { text: text.to_owned(), count: count.to_owned() };
+            Self::Grid { low, high, count: count.parse().map_err(refused)? }
         } else if let Some(arguments) = arguments(text, "choice") {
             Self::Choice(values(text, arguments)?)
         } else if let Some(arguments) = arguments(text, "list") {
@@ -192,8 +204,10 @@ impl FromStr for Distribution {
             }
             Self::Uniform { low: number(text, low)?, high: number(text, high)? }
         };
-        distribution.check().map_err(|problem| format!("{text}: {problem}"))?;
-        Ok(distribution)
+        match distribution.check() {
+            Ok(()) => Ok(distribution),
+            Err(problem) => Err(DistributionError::Values { text: text.to_owned(), problem }),
+        }
     }
 }
 
@@ -213,7 +227,7 @@ fn joined(values: &[f64]) -> String {
     values.iter().map(ToString::to_string).collect::<Vec<_>>().join(",")
 }
 
-fn values(text: &str, arguments: &str) -> Result<Vec<f64>, String> {
+fn values(text: &str, arguments: &str) -> Result<Vec<f64>, DistributionError> {
     arguments.split(',').map(|value| number(text, value)).collect()
 }
 
@@ -221,20 +235,20 @@ fn arguments<'a>(text: &'a str, name: &str) -> Option<&'a str> {
     text.strip_prefix(name)?.trim_start().strip_prefix('(')?.strip_suffix(')')
 }
 
-fn form(text: &str) -> String {
-    format!("{text:?} is none of LO..HI, normal(MEAN,SD), choice(A,B,..), grid(LO,HI,N) and list(A,B,..)")
+fn form(text: &str) -> DistributionError {
+    DistributionError::Form { text: text.to_owned() }
 }
 
-fn numbers(text: &str, arguments: &str) -> Result<[f64; 2], String> {
+fn numbers(text: &str, arguments: &str) -> Result<[f64; 2], DistributionError> {
     let (first, second) = arguments.split_once(',').ok_or_else(|| form(text))?;
     Ok([number(text, first)?, number(text, second)?])
 }
 
-fn number(text: &str, number: &str) -> Result<f64, String> {
+fn number(text: &str, number: &str) -> Result<f64, DistributionError> {
     let number = number.trim();
     match number.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("{text}: {number:?} is not a finite number")),
+        _ => Err(DistributionError::Number { text: text.to_owned(), number: number.to_owned() }),
     }
 }
 

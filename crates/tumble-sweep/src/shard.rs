@@ -5,42 +5,70 @@ use std::ops::Range;
 use std::str::FromStr;
 
 /// One of several equal parts of a sweep, written `I/N` with `I` from 1 to `N`.
+///
+/// ```
+/// use tumble_sweep::Shard;
+///
+/// let second: Shard = "2/3".parse()?;
+/// assert_eq!((second.index(), second.count()), (2, 3));
+/// assert_eq!(second.range(10), 3..6);
+/// # Ok::<(), tumble_sweep::ShardError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Shard {
+pub struct Shard {
     index: u64,
     count: u64,
 }
 
 impl Shard {
     /// The most shards.
-    pub(crate) const MAX: u64 = 1_000_000;
+    pub const MAX: u64 = 1_000_000;
 
     /// Which one, from 1.
-    pub(crate) fn index(self) -> u64 {
+    #[must_use]
+    pub fn index(self) -> u64 {
         self.index
     }
 
     /// Of how many.
-    pub(crate) fn count(self) -> u64 {
+    #[must_use]
+    pub fn count(self) -> u64 {
         self.count
     }
 
     /// The worlds of this shard: those of all shards follow each other, and differ in number by one
     /// at most.
-    pub(crate) fn range(self, worlds: u64) -> Range<u64> {
+    #[must_use]
+    pub fn range(self, worlds: u64) -> Range<u64> {
         let end = |index: u64| (u128::from(worlds) * u128::from(index) / u128::from(self.count)) as u64;
         end(self.index - 1)..end(self.index)
     }
 }
 
-impl FromStr for Shard {
-    type Err = String;
+/// A text is no [`Shard`].
+///
+/// ```
+/// use tumble_sweep::Shard;
+///
+/// let error = "3/2".parse::<Shard>().unwrap_err();
+/// assert_eq!(error.to_string(), "\"3/2\" is not I/N with I from 1 to N, at most 1000000");
+/// ```
+#[derive(Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{text:?} is not I/N with I from 1 to N, at most {}", Shard::MAX)]
+pub struct ShardError {
+    text: String,
+}
 
-    fn from_str(text: &str) -> Result<Self, String> {
+tumble_math::debug_as_display!(ShardError);
+
+impl FromStr for Shard {
+    type Err = ShardError;
+
+    fn from_str(text: &str) -> Result<Self, ShardError> {
         let parts = text.split_once('/').and_then(|(index, count)| Some((index.parse().ok()?, count.parse().ok()?)));
         match parts {
             Some((index, count)) if (1..=count).contains(&index) && count <= Self::MAX => Ok(Self { index, count }),
-            _ => Err(format!("{text:?} is not I/N with I from 1 to N, at most {}", Self::MAX)),
+            _ => Err(ShardError { text: text.to_owned() }),
         }
     }
 }

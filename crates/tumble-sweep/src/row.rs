@@ -3,27 +3,38 @@
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
+use tumble::math::Real;
+use tumble::{BodyOrder, Pose, Trial, Velocity};
 use tumble_record::{Drift, STATE_COLUMNS, csv_cell, state_numbers};
 use tumble_scene::VariedWorld;
 
+use crate::observation::Observation;
+use crate::run_status::RunStatus;
+use crate::series::Series;
 use crate::sweep::Sweep;
-use crate::sweep::observation::Observation;
-use crate::sweep::run_status::RunStatus;
-use crate::sweep::series::Series;
-use tumble::math::Real;
-use tumble::{BodyOrder, Pose, Trial, Velocity};
 
-use crate::interrupt;
-
-/// Between two looks at Ctrl-C, unless a single step takes longer.
+/// Between two questions whether to stop, unless a single step takes longer.
 const UNINTERRUPTED: Duration = Duration::from_millis(50);
 
-/// The line of one world, with its end.
-pub(crate) struct Row {
-    pub(crate) text: String,
-    pub(crate) outcome: RunStatus,
-    /// The lines of its time series, which is empty where there is none.
-    pub(crate) series: String,
+/// What became of one world.
+///
+/// ```
+/// use tumble_sweep::{RunStatus, Sweep, SweepPlan};
+///
+/// let plan = SweepPlan { scene: "t-handle".into(), worlds: Some(1), ..SweepPlan::default() };
+/// let row = Sweep::new(plan)?.row(0, &|| false).expect("nothing stops it");
+/// assert_eq!((row.outcome, row.series.as_str()), (RunStatus::Ok, ""));
+/// assert!(row.text.starts_with("0,ok,") && row.text.ends_with('\n'));
+/// # Ok::<(), tumble_sweep::SweepError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Row {
+    /// Its line of the file, with the line's end.
+    pub text: String,
+    /// How it ended.
+    pub outcome: RunStatus,
+    /// The lines of its time series; empty where there is none.
+    pub series: String,
 }
 
 /// The end of a world that was run.
@@ -37,59 +48,68 @@ struct End {
     seen: Vec<Option<f64>>,
 }
 
-/// The names of the columns.
-pub(crate) fn columns(sweep: &Sweep) -> Vec<String> {
-    let mut columns = vec!["world".to_owned()];
-    columns.extend(sweep.fields().map(str::to_owned));
-    columns.extend(["outcome", "steps_taken", "time"].map(str::to_owned));
-    columns.extend(
-        sweep
-            .reported_names()
-            .iter()
-            .flat_map(|name| STATE_COLUMNS.map(|of| csv_cell(&format!("{name}.{of}")).into_owned())),
-    );
-    columns.extend(["energy", "energy_drift", "hash"].map(str::to_owned));
-    columns.extend(sweep.plan().observe.iter().map(|what| csv_cell(what).into_owned()));
-    columns
-}
+impl Sweep {
+    /// The names of the columns of a row.
+    #[must_use]
+    pub fn columns(&self) -> Vec<String> {
+        let mut columns = vec!["world".to_owned()];
+        columns.extend(self.fields().map(str::to_owned));
+        columns.extend(["outcome", "steps_taken", "time"].map(str::to_owned));
+        columns.extend(
+            self.reported_names()
+                .iter()
+                .flat_map(|name| STATE_COLUMNS.map(|of| csv_cell(&format!("{name}.{of}")).into_owned())),
+        );
+        columns.extend(["energy", "energy_drift", "hash"].map(str::to_owned));
+        columns.extend(self.plan().observe.iter().map(|what| csv_cell(what).into_owned()));
+        columns
+    }
 
-/// Runs a world; `None` if the user did not want to wait for its end.
-pub(crate) fn row(sweep: &Sweep, index: u64) -> Option<Row> {
-    let drawn = sweep.draw(index);
-    let mut series = String::new();
-    let (outcome, end) = match sweep.build(&drawn) {
-        Ok(world) => match run(sweep, (index, world), &mut series)? {
-            Ok(end) => (RunStatus::Ok, Some(end)),
-            Err(()) => (RunStatus::NotFinite, None),
-        },
-        Err(_) => (RunStatus::Impossible, None),
-    };
-    let mut text = index.to_string();
-    for value in drawn {
-        put(&mut text, format_args!(",{value:?}"));
+    /// Runs a world; `None` if `stop` said so before its end. It is asked before each step or, where
+    /// steps are short, every 50 ms.
+    #[must_use]
+    pub fn row(&self, world: u64, stop: &(dyn Fn() -> bool + Sync)) -> Option<Row> {
+        let drawn = self.draw(world);
+        let mut series = String::new();
+        let (outcome, end) = match self.build(&drawn) {
+            Ok(varied) => match run(self, (world, varied), stop, &mut series)? {
+                Ok(end) => (RunStatus::Ok, Some(end)),
+                Err(()) => (RunStatus::NotFinite, None),
+            },
+            Err(_) => (RunStatus::Impossible, None),
+        };
+        let mut text = world.to_string();
+        for value in drawn {
+            put(&mut text, format_args!(",{value:?}"));
+        }
+        put(&mut text, format_args!(",{}", outcome.name()));
+        if series.is_empty() && self.plan().series.is_some() {
+            series = Series::of_impossible(world);
+        }
+        let empty = 5 + STATE_COLUMNS.len() * self.reported().len() + self.observables().len();
+        match end {
+            Some(end) => end.write(&mut text),
+            // The columns are there, with nothing in them.
+            None => text.extend(std::iter::repeat_n(',', empty)),
+        }
+        text.push('\n');
+        Some(Row { text, outcome, series })
     }
-    put(&mut text, format_args!(",{}", outcome.name()));
-    if series.is_empty() && sweep.plan().series.is_some() {
-        series = Series::of_impossible(index);
-    }
-    let empty = 5 + STATE_COLUMNS.len() * sweep.reported().len() + sweep.observables().len();
-    match end {
-        Some(end) => end.write(&mut text),
-        // The columns are there, with nothing in them.
-        None => text.extend(std::iter::repeat_n(',', empty)),
-    }
-    text.push('\n');
-    Some(Row { text, outcome, series })
 }
 
 /// The end of a world, or an error if it is not finite; `lines` are those of its time series.
-fn run(sweep: &Sweep, (index, world): (u64, VariedWorld), lines: &mut String) -> Option<Result<End, ()>> {
+fn run(
+    sweep: &Sweep,
+    (index, world): (u64, VariedWorld),
+    stop: &(dyn Fn() -> bool + Sync),
+    lines: &mut String,
+) -> Option<Result<End, ()>> {
     let VariedWorld { mut trial, steps } = world;
     let order = BodyOrder::of(&trial.world);
     let Ok(mut drift) = Drift::start(&trial.world, trial.simulation.settings(), &order) else { return Some(Err(())) };
     let mut observation = Observation::start(sweep.observables(), sweep.until(), &trial, &order);
     let mut series = Series::start(sweep, index, &trial, &order);
-    all_steps(&mut trial, steps, (&mut observation, series.as_mut()), &order)?;
+    all_steps(&mut trial, steps, stop, (&mut observation, series.as_mut()), &order)?;
     if let Some(series) = series {
         *lines = series.finish(&trial, &order);
     }
@@ -108,17 +128,18 @@ fn run(sweep: &Sweep, (index, world): (u64, VariedWorld), lines: &mut String) ->
     }))
 }
 
-/// Takes all steps, as many at once as fill the time between two looks at Ctrl-C; `None` if it
-/// came.
+/// Takes all steps, as many at once as fill the time between two questions whether to stop; `None`
+/// if so.
 fn all_steps(
     trial: &mut Trial,
     steps: u64,
+    stop: &(dyn Fn() -> bool + Sync),
     (observation, mut series): (&mut Observation<'_>, Option<&mut Series>),
     order: &BodyOrder,
 ) -> Option<()> {
     let mut at_once = 1_u32;
     while trial.simulation.steps() < steps {
-        if interrupt::asked() {
+        if stop() {
             return None;
         }
         if observation.needs_every_step() || series.is_some() {

@@ -15,7 +15,9 @@ pub(crate) struct StateColumn {
 /// What a column of the file is to have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Observable {
+    /// The largest of all steps.
     Max(StateColumn),
+    /// The smallest of all steps.
     Min(StateColumn),
     /// The time at which a body, or any two, touch first \[s\].
     FirstContact(Option<usize>),

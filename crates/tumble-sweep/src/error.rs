@@ -1,18 +1,28 @@
 //! Errors of sweep construction.
 
 use tumble_import::{FieldError, one_line, printable};
-
 use tumble_scene::SceneError;
 
-/// Why a sweep cannot be made. `Display` is one line that names the field.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub(crate) enum SweepError {
+/// Why a sweep cannot be made. `Display` is one line that names the field, and
+/// the option by which the program takes it.
+///
+/// ```
+/// use tumble_sweep::{Sweep, SweepError, SweepPlan};
+///
+/// let plan = SweepPlan { scene: "t-handle".into(), ..SweepPlan::default() };
+/// let error = Sweep::new(plan).unwrap_err();
+/// assert!(matches!(error, SweepError::Worlds(_)));
+/// assert!(error.to_string().starts_with("--worlds N is missing"));
+/// ```
+#[derive(Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SweepError {
     /// The scene cannot be used, or cannot with the values at the ends of what is to be drawn.
     #[error(transparent)]
     Scene(#[from] SceneError),
     /// A field cannot be varied.
     #[error("--vary {}: {}", printable(.field), printable(.problem))]
-    SweepParameter {
+    Field {
         /// Its path.
         field: String,
         /// Why not.
@@ -36,8 +46,10 @@ pub(crate) enum SweepError {
     Worlds(String),
 }
 
+tumble_math::debug_as_display!(SweepError);
+
 impl From<FieldError> for SweepError {
     fn from(error: FieldError) -> Self {
-        Self::SweepParameter { field: one_line(&error.field), problem: error.problem }
+        Self::Field { field: one_line(&error.field), problem: error.problem }
     }
 }
