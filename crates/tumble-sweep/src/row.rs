@@ -65,8 +65,10 @@ impl Sweep {
         columns
     }
 
-    /// Runs a world; `None` if `stop` said so before its end. It is asked before each step or, where
-    /// steps are short, every 50 ms.
+    /// Runs a world; `None` if `stop` said so before its end. It is asked before each step or,
+    /// where steps are short, about every 50 ms.
+    ///
+    /// The index may be past the last world: grids start over, and the rest is drawn as ever.
     #[must_use]
     pub fn row(&self, world: u64, stop: &(dyn Fn() -> bool + Sync)) -> Option<Row> {
         let drawn = self.draw(world);
