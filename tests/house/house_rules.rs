@@ -45,7 +45,7 @@ const ORDERS: [(&str, &str); 6] = [
     (
         "crates/tumble-record/src",
         "svg csv_cell colors pending_file ground_patches momentum_scale energy_scale kept summary drift \
-         plot body_drawing trajectory report_page lib",
+         plot energy_plots body_drawing trajectory report_page lib",
     ),
     (
         "crates/tumble-sweep/src",

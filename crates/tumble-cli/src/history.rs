@@ -3,8 +3,8 @@
 use std::io::{self, Write};
 
 use hecs::World;
-use tumble::{ForceLaws, Ledger, LedgerEntry, Simulation, Totals, Work};
-use tumble_record::{Plot, Scale, SeriesStyle};
+use tumble::{ForceLaws, Ledger, Simulation, Work};
+use tumble_record::{Plot, drift_plot, energy_plot};
 
 use crate::interval::EVERY_STEP_UP_TO;
 
@@ -75,42 +75,15 @@ impl History {
         (0..ForceLaws::COMPONENTS.len()).filter(worked).collect()
     }
 
-    /// Where the energy is, over time. A potential that there is none of is left out where there is
-    /// another.
+    /// Where the energy is, over time.
     pub(crate) fn energy_plot(&self) -> Plot {
-        let is_there = |of: fn(&Totals) -> f64| self.ledger.entries().iter().any(|entry| of(&entry.totals) != 0.0);
-        let of_forces = is_there(|totals| totals.force_potential);
-        let mut plot = Plot::new("Energy")
-            .x_axis("time [s]", Scale::Linear)
-            .y_axis("energy [J]", Scale::Linear)
-            .series("kinetic, linear", SeriesStyle::Line, self.over_time(|entry| entry.totals.linear_kinetic))
-            .series("kinetic, rotation", SeriesStyle::Line, self.over_time(|entry| entry.totals.rotational_kinetic));
-        if !of_forces || is_there(|totals| totals.potential) {
-            plot = plot.series("potential", SeriesStyle::Line, self.over_time(|entry| entry.totals.potential));
-        }
-        if of_forces {
-            let potential = self.over_time(|entry| entry.totals.force_potential);
-            plot = plot.series("potential of forces", SeriesStyle::Line, potential);
-        }
-        plot.series("sum", SeriesStyle::Line, self.over_time(LedgerEntry::energy))
+        energy_plot(self.ledger.entries())
     }
 
     /// How far the energy is from where it began, relative to the scale \[J\] of the largest drift
     /// beside it.
     pub(crate) fn drift_plot(&self, scale: f64) -> Plot {
-        let energy = self.ledger.entries().first().map_or(0.0, LedgerEntry::energy);
-        let drift = self.over_time(move |entry| if scale > 0.0 { (entry.energy() - energy) / scale } else { 0.0 });
-        Plot::new("Change of energy")
-            .x_axis("time [s]", Scale::Linear)
-            .y_axis("relative to its scale", Scale::Linear)
-            .series("", SeriesStyle::Line, drift)
-    }
-
-    fn over_time<'a>(
-        &'a self,
-        mut value: impl FnMut(&LedgerEntry) -> f64 + 'a,
-    ) -> impl Iterator<Item = (f64, f64)> + 'a {
-        self.ledger.entries().iter().map(move |entry| (entry.time, value(entry)))
+        drift_plot(self.ledger.entries(), scale)
     }
 }
 

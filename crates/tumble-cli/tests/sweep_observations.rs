@@ -55,6 +55,20 @@ fn heights_and_times_are_those_of_a_throw() {
     }
 }
 
+/// A row in which nothing touched is a row: the sweep goes on behind it, and can be drawn.
+#[test]
+fn a_sweep_without_a_contact_goes_on() {
+    let place = Place::new();
+    let vary = ["--observe", "first_contact(other)", "--vary", "bodies.ball.linear_velocity.1=list(3,1,2)"];
+    let whole = rows(&place, &vary);
+    let text = place.read("out.csv");
+    let two_rows: String = text.split_inclusive('\n').take(4).collect();
+    place.write("out.csv", &two_rows);
+    place.succeed(&[&["sweep", "ball.json", "--out", "out.csv", "--body", "ball"][..], &vary].concat());
+    assert_eq!(place.read("out.csv"), text);
+    assert_eq!(whole[1].iter().next_back(), Some(""), "{whole:?}");
+}
+
 #[test]
 fn a_condition_ends_a_world() {
     let place = Place::new();

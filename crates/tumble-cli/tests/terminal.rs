@@ -275,6 +275,7 @@ fn nothing_else_writes_to_a_stream() {
         "tumble-record",
         "tumble-sweep",
         "tumble-vehicle",
+        "tumble-character",
         "tumble-cli",
         "tumble-view",
     ];

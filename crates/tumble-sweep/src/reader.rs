@@ -225,6 +225,8 @@ impl SweepReader {
                 (_, Some(false)) => field.is_empty(),
                 ("steps_taken" | "world", _) => field.parse::<u64>().is_ok(),
                 ("hash", _) => field.len() == 16 && field.bytes().all(|byte| byte.is_ascii_hexdigit()),
+                // Empty where nothing touched.
+                (column, _) if is_contact(column) && field.is_empty() => true,
                 _ => field.parse::<f64>().is_ok(),
             };
             if !sound {
@@ -233,6 +235,12 @@ impl SweepReader {
         }
         None
     }
+}
+
+/// Whether a column has times of first contacts.
+fn is_contact(column: &str) -> bool {
+    let name = column.trim_start_matches('"').strip_prefix("first_contact");
+    name.is_some_and(|of| of.is_empty() || of.starts_with('('))
 }
 
 /// Asked before opening, for reading a pipe waits for its other end.

@@ -109,14 +109,44 @@ impl SceneTemplate {
         if is_path(name_or_path) && (MeshFormat::of_path(path) == Some(MeshFormat::Gltf) || is_urdf(path)) {
             return Self::of_file(Scene::load_with(path, repairs)?, overrides);
         }
-        let (mut model, text_hash) = scene_model(name_or_path)?;
-        apply(&overrides, &mut model);
-        let scene = Scene::from_model(&model, name_or_path)?;
-        let hash = text_hash ^ model.meshes_hash;
+        let (model, text_hash) = scene_model(name_or_path)?;
         let own_file = is_path(name_or_path).then(|| PathBuf::from(name_or_path));
+        Self::of_model(model, text_hash, name_or_path, own_file, overrides)
+    }
+
+    /// Reads a scene from text; `file` is what messages call it, and beside it are its meshes.
+    ///
+    /// ```
+    /// use tumble_scene::{Format, RunOverrides, SceneTemplate};
+    ///
+    /// let text = r#"{ "bodies": [ { "name": "stone", "shape": "point", "mass": 2 } ] }"#;
+    /// let overrides = RunOverrides::default();
+    /// let scene = SceneTemplate::from_text(text, Format::Json, "stone.json", overrides)?;
+    /// let mass = scene.field("bodies.stone.mass")?;
+    /// assert!(scene.varied(vec![mass]).build(&[3.0]).is_ok());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SceneError`], whose message names file, body and field.
+    pub fn from_text(text: &str, format: Format, file: &str, overrides: RunOverrides) -> Result<Self, SceneError> {
+        let model = parse(text, format, file)?;
+        Self::of_model(model, fnv1a(FNV_BASIS, text.as_bytes()), file, None, overrides)
+    }
+
+    fn of_model(
+        mut model: SceneModel,
+        text_hash: u64,
+        name: &str,
+        own_file: Option<PathBuf>,
+        overrides: RunOverrides,
+    ) -> Result<Self, SceneError> {
+        apply(&overrides, &mut model);
+        let scene = Scene::from_model(&model, name)?;
+        let hash = text_hash ^ model.meshes_hash;
         let files = own_file.into_iter().chain(std::mem::take(&mut model.files)).collect();
         let (bodies, joints, ..) = scene.into_bodies();
-        Ok(Self { origin: name_or_path.to_owned(), overrides, model, bodies, joints, of_file: None, hash, files })
+        Ok(Self { origin: name.to_owned(), overrides, model, bodies, joints, of_file: None, hash, files })
     }
 
     fn of_file(mut scene: Scene, overrides: RunOverrides) -> Result<Self, SceneError> {

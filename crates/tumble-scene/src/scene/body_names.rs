@@ -58,4 +58,20 @@ impl BodyNames {
     pub fn joint(&self, name: &str) -> Option<Entity> {
         self.joints.iter().find(|(given, _)| given == name).map(|(_, joint)| *joint)
     }
+
+    /// The joints that have a name, and their entities.
+    ///
+    /// ```
+    /// use tumble_scene::Scene;
+    ///
+    /// let mut world = hecs::World::new();
+    /// let names = Scene::open("crane")?.spawn(&mut world)?;
+    /// for (name, joint) in names.joints() {
+    ///     assert_eq!(names.joint(name), Some(joint));
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn joints(&self) -> impl Iterator<Item = (&str, Entity)> {
+        self.joints.iter().map(|(name, joint)| (name.as_str(), *joint))
+    }
 }

@@ -122,11 +122,33 @@ impl Batch {
     /// steps are long, that follows from gravity. The others take their steps by themselves, as all
     /// do in [`map`](Self::map) and [`run`](Self::run).
     pub fn step_many(&mut self, count: u32) {
+        self.step_many_then(count, |_, _| {});
+    }
+
+    /// [`step_many`](Self::step_many), and calls `observe` with every world and its index when its
+    /// steps are done, in parallel: what a world has just computed is still in cache.
+    ///
+    /// ```
+    /// # use std::sync::atomic::{AtomicU64, Ordering};
+    /// # use tumble::prelude::*;
+    /// # use tumble::{Batch, Trial};
+    /// # let trial = || Trial::new(Settings::default(), hecs::World::new());
+    /// # let mut batch = Batch::from_seed(10, 1, |_, _| trial())?;
+    /// let steps = AtomicU64::new(0);
+    /// batch.step_many_then(16, |_index, trial| {
+    ///     steps.fetch_add(trial.simulation.steps(), Ordering::Relaxed);
+    /// });
+    /// assert_eq!(steps.into_inner(), 10 * 16);
+    /// # Ok::<(), tumble::SettingsError>(())
+    /// ```
+    pub fn step_many_then(&mut self, count: u32, observe: impl Fn(usize, &mut Trial) + Sync) {
         // With fewer worlds than would give each thread a pack, threads come first.
         let size = self.trials.len().div_ceil(rayon::current_num_threads()).clamp(1, PACK);
         self.packs.resize_with(self.trials.len().div_ceil(size), MultiWorld::default);
-        self.trials.par_chunks_mut(size).zip(&mut self.packs).for_each(|(trials, pack)| {
+        let packs = self.trials.par_chunks_mut(size).zip(&mut self.packs).enumerate();
+        packs.for_each(|(number, (trials, pack))| {
             step_pack(trials, pack, count);
+            trials.iter_mut().zip(number * size..).for_each(|(trial, index)| observe(index, trial));
         });
     }
 

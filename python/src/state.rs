@@ -1,0 +1,272 @@
+//! The bodies of worlds that were made of one scene: their states as numbers, in the order of the
+//! scene.
+
+use hecs::{Entity, World};
+use tumble::math::{Quat, Real, Vec3};
+use tumble::{
+    BodyId, BodyOrder, ConstantWrench, Joint, Mass, Momentum, Pose, PreviousPose, Trial, Velocity, VelocityError,
+    set_velocity,
+};
+use tumble_scene::BodyNames;
+
+use crate::error::Failure;
+
+/// What all worlds of a scene have in common.
+pub(crate) struct Layout {
+    pub(crate) entities: Vec<Entity>,
+    pub(crate) names: Vec<String>,
+    pub(crate) joints: Vec<Entity>,
+    pub(crate) joint_names: Vec<String>,
+    /// Of each drive the index of its joint, and its own among those of the joint.
+    pub(crate) drives: Vec<(usize, usize)>,
+    /// Of each body whether the scene gives it a constant force.
+    pub(crate) forced: Vec<bool>,
+}
+
+impl Layout {
+    /// Of a world with the bodies of a scene, and nothing else.
+    pub(crate) fn of(world: &World, names: &[String], joint_names: &[String]) -> Self {
+        let entities = BodyOrder::of(world).entities().to_vec();
+        let joints = joints(world);
+        let drives_of = |(at, &joint): (usize, &Entity)| {
+            let count = world.get::<&tumble::Drives>(joint).map_or(0, |drives| drives.0.len());
+            (0..count).map(move |drive| (at, drive))
+        };
+        let drives = joints.iter().enumerate().flat_map(drives_of).collect();
+        let forced = entities.iter().map(|&body| world.satisfies::<&ConstantWrench>(body)).collect();
+        Self { entities, names: names.to_vec(), joints, joint_names: joint_names.to_vec(), drives, forced }
+    }
+
+    pub(crate) fn bodies(&self) -> usize {
+        self.entities.len()
+    }
+
+    /// The name of a drive: of its joint, and its place there.
+    pub(crate) fn drive_names(&self) -> Vec<String> {
+        let name = |&(joint, drive): &(usize, usize)| Some(format!("{}.drives.{drive}", self.joint_names.get(joint)?));
+        self.drives.iter().filter_map(name).collect()
+    }
+}
+
+/// The joints of a world, in the order in which they were spawned.
+fn joints(world: &World) -> Vec<Entity> {
+    let mut joints: Vec<Entity> = world.query::<(Entity, &Joint)>().iter().map(|(entity, _)| entity).collect();
+    joints.sort_unstable_by_key(|joint| joint.id());
+    joints
+}
+
+/// What the bodies and joints of a world are called.
+pub(crate) fn names(world: &World, names: &BodyNames) -> (Vec<String>, Vec<String>) {
+    let name_of = |(index, joint): (usize, Entity)| {
+        let named = names.joints().find(|(_, entity)| *entity == joint);
+        named.map_or_else(|| format!("joint-{index}"), |(name, _)| name.to_owned())
+    };
+    let bodies = BodyOrder::of(world).len();
+    let body_names = (0..bodies).map(|index| names.of(index as u64).into_owned()).collect();
+    (body_names, joints(world).into_iter().enumerate().map(name_of).collect())
+}
+
+/// Numbers of a body's state.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Quantity {
+    Positions,
+    Orientations,
+    LinearVelocities,
+    AngularVelocities,
+    /// All of them, in this order.
+    States,
+}
+
+impl Quantity {
+    pub(crate) const EACH: [Self; 4] =
+        [Self::Positions, Self::Orientations, Self::LinearVelocities, Self::AngularVelocities];
+
+    /// Numbers of a body.
+    pub(crate) fn width(self) -> usize {
+        match self {
+            Self::Orientations => 4,
+            Self::States => 13,
+            Self::Positions | Self::LinearVelocities | Self::AngularVelocities => 3,
+        }
+    }
+
+    /// As it is called in Python.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Positions => "positions",
+            Self::Orientations => "orientations",
+            Self::LinearVelocities => "linear_velocities",
+            Self::AngularVelocities => "angular_velocities",
+            Self::States => "states",
+        }
+    }
+
+    fn write(self, pose: &Pose, velocity: Velocity, to: &mut [Real]) {
+        match self {
+            Self::Positions => to.copy_from_slice(&pose.position.to_array()),
+            Self::Orientations => to.copy_from_slice(&pose.orientation.to_array()),
+            Self::LinearVelocities => to.copy_from_slice(&velocity.linear.to_array()),
+            Self::AngularVelocities => to.copy_from_slice(&velocity.angular.to_array()),
+            Self::States => {
+                if let Some((position, rest)) = to.split_first_chunk_mut::<3>()
+                    && let Some((orientation, rest)) = rest.split_first_chunk_mut::<4>()
+                    && let Some((linear, angular)) = rest.split_first_chunk_mut::<3>()
+                {
+                    *position = pose.position.to_array();
+                    *orientation = pose.orientation.to_array();
+                    *linear = velocity.linear.to_array();
+                    angular.copy_from_slice(&velocity.angular.to_array());
+                }
+            }
+        }
+    }
+}
+
+/// Writes a quantity of all bodies of a world, body after body.
+pub(crate) fn read(world: &mut World, quantity: Quantity, to: &mut [Real]) {
+    let width = quantity.width();
+    for (id, pose, velocity) in world.query_mut::<(&BodyId, &Pose, Option<&Velocity>)>() {
+        let place = usize::try_from(id.0).ok().and_then(|index| {
+            let begin = index.checked_mul(width)?;
+            to.get_mut(begin..begin + width)
+        });
+        if let Some(place) = place {
+            quantity.write(pose, velocity.copied().unwrap_or_default(), place);
+        }
+    }
+}
+
+/// What a body is given; what is `None` stays.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Given {
+    pub(crate) position: Option<Vec3>,
+    pub(crate) orientation: Option<Quat>,
+    pub(crate) linear: Option<Vec3>,
+    pub(crate) angular: Option<Vec3>,
+}
+
+/// Largest coordinate of a position \[m\], as in scene files.
+const MAX_POSITION: Real = 1e15;
+/// How far from 1 the length of a quaternion may be, as in scene files.
+const LENGTH_TOLERANCE: Real = 1e-3;
+/// Largest component of a velocity \[m/s\] \[rad/s\], as in scene files.
+const MAX_SPEED: Real = 1e9;
+
+impl Given {
+    /// Reads the numbers of a quantity.
+    pub(crate) fn take(&mut self, quantity: Quantity, numbers: &[Real]) -> Result<(), String> {
+        let vector = |numbers: &[Real]| <[Real; 3]>::try_from(numbers).map(Vec3::from).unwrap_or_default();
+        match quantity {
+            Quantity::Positions => self.position = Some(position(vector(numbers))?),
+            Quantity::Orientations => {
+                let numbers = <[Real; 4]>::try_from(numbers).unwrap_or_default();
+                self.orientation = Some(orientation(Quat::from_array(numbers))?);
+            }
+            Quantity::LinearVelocities => self.linear = Some(speed(vector(numbers))?),
+            Quantity::AngularVelocities => self.angular = Some(speed(vector(numbers))?),
+            Quantity::States => {
+                let mut rest = numbers;
+                for part in Quantity::EACH {
+                    let (here, after) = rest.split_at_checked(part.width()).unwrap_or((rest, &[]));
+                    self.take(part, here)?;
+                    rest = after;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Why the body cannot have it, if that is so.
+    pub(crate) fn check(&self, world: &World, body: Entity) -> Result<(), (&'static str, String)> {
+        let moves = world.satisfies::<&Velocity>(body) || world.satisfies::<&Momentum>(body);
+        let turns = !world.satisfies::<&Momentum>(body) || world.satisfies::<&tumble::Inertia>(body);
+        let is_some = |velocity: Option<Vec3>| velocity.is_some_and(|velocity| velocity != Vec3::ZERO);
+        if !moves && is_some(self.linear) {
+            return Err(("linear_velocities", "is fixed, and has no velocity but 0".to_owned()));
+        }
+        if !moves && is_some(self.angular) {
+            return Err(("angular_velocities", "is fixed, and has no velocity but 0".to_owned()));
+        }
+        if !turns && is_some(self.angular) {
+            return Err(("angular_velocities", "is a point mass, which does not turn".to_owned()));
+        }
+        Ok(())
+    }
+
+    /// Gives it to the body. A body that is turned keeps its velocities.
+    pub(crate) fn give(&self, world: &mut World, body: Entity) -> Result<(), VelocityError> {
+        let before = world.get::<&Velocity>(body).map(|velocity| *velocity).ok();
+        if let Ok(mut pose) = world.get::<&mut Pose>(body) {
+            pose.position = self.position.unwrap_or(pose.position);
+            pose.orientation = self.orientation.unwrap_or(pose.orientation);
+        }
+        // What is drawn between two steps does not come from where the body was.
+        if let (Ok(pose), Ok(mut previous)) = (world.get::<&Pose>(body), world.get::<&mut PreviousPose>(body))
+            && (self.position.is_some() || self.orientation.is_some())
+        {
+            previous.0 = *pose;
+        }
+        let Some(before) = before else { return Ok(()) };
+        if self.linear.is_none() && self.angular.is_none() && self.orientation.is_none() {
+            return Ok(());
+        }
+        let is_moving = world.satisfies::<&Mass>(body) || world.satisfies::<&Velocity>(body);
+        let linear = self.linear.unwrap_or(before.linear);
+        let angular = self.angular.unwrap_or(before.angular);
+        if is_moving { set_velocity(world, body, Velocity { linear, angular }) } else { Ok(()) }
+    }
+}
+
+fn position(position: Vec3) -> Result<Vec3, String> {
+    if position.abs().max_element() <= MAX_POSITION {
+        Ok(position)
+    } else {
+        Err(format!("{position} has a coordinate beyond {MAX_POSITION:e} m"))
+    }
+}
+
+fn orientation(orientation: Quat) -> Result<Quat, String> {
+    if (orientation.length() - 1.0).abs() <= LENGTH_TOLERANCE {
+        Ok(if orientation.is_normalized() { orientation } else { orientation.normalize() })
+    } else {
+        Err(format!("{orientation} is no unit quaternion x, y, z, w"))
+    }
+}
+
+fn speed(velocity: Vec3) -> Result<Vec3, String> {
+    if velocity.abs().max_element() <= MAX_SPEED {
+        Ok(velocity)
+    } else {
+        Err(format!("{velocity} has a component beyond {MAX_SPEED:e}"))
+    }
+}
+
+/// Gives bodies of worlds what was read for them, or nothing to any of them.
+pub(crate) fn give(
+    trials: &mut [&mut Trial],
+    layout: &Layout,
+    bodies: &[usize],
+    given: &[Given],
+) -> Result<(), Failure> {
+    let entity = |body: usize| layout.entities.get(body).copied();
+    let rows = given.chunks(bodies.len().max(1));
+    for (trial, row) in trials.iter().zip(rows.clone()) {
+        for (&body, given) in bodies.iter().zip(row) {
+            let Some(entity) = entity(body) else { continue };
+            given.check(&trial.world, entity).map_err(|(field, problem)| {
+                Failure::argument(
+                    field,
+                    format!("body {:?} {problem}", layout.names.get(body).map_or("", String::as_str)),
+                )
+            })?;
+        }
+    }
+    for (trial, row) in trials.iter_mut().zip(rows) {
+        for (&body, given) in bodies.iter().zip(row) {
+            let Some(entity) = entity(body) else { continue };
+            let of_body = |error: VelocityError| Failure::argument("velocities", error.to_string());
+            given.give(&mut trial.world, entity).map_err(of_body)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,29 @@
+"""Scenes as Python has them, as the text of a scene file."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import Any
+
+import numpy as np
+
+from ._errors import ArgumentTypeError
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return value.tolist()
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    raise ArgumentTypeError(f"scene: {value!r} of type {type(value).__name__} has no place in a scene", "scene")
+
+
+def to_json(model: dict[str, Any]) -> str:
+    """The text of a scene file with these keys; NumPy's numbers and arrays are taken as lists."""
+    try:
+        return json.dumps(model, default=_plain)
+    except (ValueError, RecursionError) as error:
+        raise ArgumentTypeError(f"scene: {error}", "scene") from None
