@@ -1,5 +1,6 @@
 //! Forces that a program applies to bodies.
 
+use crate::state::MAX_POSITION;
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{ConstantWrench, Frame, Momentum, Pose, Wrench};
@@ -17,10 +18,15 @@ pub(crate) struct Load {
 }
 
 impl Load {
-    /// Whether it is within what the engine takes.
-    pub(crate) fn is_in_range(&self) -> bool {
-        let small = |vector: Option<Vec3>| vector.is_none_or(|vector| vector.abs().max_element() <= MAX_FORCE);
-        small(self.force) && small(self.torque)
+    /// The argument that is beyond what the engine takes, and how far it may go.
+    pub(crate) fn fault(&self) -> Option<(&'static str, Real)> {
+        let limits = [
+            ("forces", self.force, MAX_FORCE),
+            ("torques", self.torque, MAX_FORCE),
+            ("points", self.point, MAX_POSITION),
+        ];
+        let is_beyond = |vector: Option<Vec3>, limit| vector.is_some_and(|it| it.abs().max_element() > limit);
+        limits.into_iter().find(|&(_, vector, limit)| is_beyond(vector, limit)).map(|(name, _, limit)| (name, limit))
     }
 
     /// Adds it to what acts in the next step.
@@ -31,6 +37,14 @@ impl Load {
             wrench.add_force_at(force, self.point.unwrap_or(center), center);
         }
         wrench.add_torque(self.torque.unwrap_or_default());
+    }
+
+    /// Whether what is held already, and stays, would act in another frame.
+    pub(crate) fn turns_held(&self, world: &World, body: Entity, frame: Frame) -> bool {
+        world.get::<&ConstantWrench>(body).is_ok_and(|held| {
+            let stays = |given: Option<Vec3>, held: Vec3| given.is_none() && held != Vec3::ZERO;
+            held.frame != frame && (stays(self.force, held.force) || stays(self.torque, held.torque))
+        })
     }
 
     /// Lets it act until it is set to another. Bodies that forces do not move have none.

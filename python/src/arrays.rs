@@ -1,6 +1,7 @@
 //! NumPy arrays in and out.
 
 use numpy::{PyArrayDyn, PyArrayMethods, PyReadwriteArrayDyn, PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use tumble::math::{PRECISION, Real};
 
@@ -10,8 +11,7 @@ use crate::error::Failure;
 /// are repeated along it.
 pub(crate) fn doubles(value: &Bound<'_, PyAny>, field: &str, shape: &[usize]) -> PyResult<Vec<f64>> {
     let numpy = value.py().import("numpy")?;
-    let array = numpy.call_method1("asarray", (value,));
-    let array = array.map_err(|error| Failure::type_of(field, format!("is no array of numbers: {error}")))?;
+    let array = as_array(value, field)?;
     let kind: String = array.getattr("dtype")?.getattr("kind")?.extract()?;
     if !matches!(kind.as_str(), "f" | "i" | "u") {
         let dtype = array.getattr("dtype")?;
@@ -22,9 +22,25 @@ pub(crate) fn doubles(value: &Bound<'_, PyAny>, field: &str, shape: &[usize]) ->
     let Ok(spread) = spread else {
         return Err(Failure::argument(field, format!("shape {} is needed, not {}", text(shape), text(&found))).into());
     };
-    let made = numpy.call_method1("ascontiguousarray", (spread, numpy.getattr("float64")?))?;
+    let made = value.py().import("tumble._model")?.call_method1("doubles", (spread,))?;
     let made = made.cast::<PyArrayDyn<f64>>().map_err(PyErr::from)?;
     Ok(made.readonly().as_slice()?.to_vec())
+}
+
+fn as_array<'py>(value: &Bound<'py, PyAny>, field: &str) -> PyResult<Bound<'py, PyAny>> {
+    let py = value.py();
+    py.import("numpy")?.call_method1("asarray", (value,)).map_err(|error| {
+        if error.is_instance_of::<PyValueError>(py) || error.is_instance_of::<PyTypeError>(py) {
+            Failure::type_of(field, format!("is no array of numbers: {error}")).into()
+        } else {
+            error
+        }
+    })
+}
+
+/// The shape that an argument has as an array.
+pub(crate) fn shape_of(value: &Bound<'_, PyAny>, field: &str) -> PyResult<Vec<usize>> {
+    as_array(value, field)?.getattr("shape")?.extract()
 }
 
 /// As [`doubles`], in the precision of the simulation.

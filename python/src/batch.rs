@@ -17,7 +17,7 @@ use crate::scene::Scene;
 use crate::selection::select;
 use crate::settings::{Options, Overrides, count};
 use crate::snapshot::Snapshot;
-use crate::state::{self, Layout, Quantity};
+use crate::state::{self, Layout, Property, Quantity};
 use crate::threads::{in_bursts, in_pool_attached, pool};
 use crate::worlds::Worlds;
 
@@ -208,6 +208,30 @@ impl Batch {
         self.layout.drive_names()
     }
 
+    /// As `Simulation.masses`: (worlds, bodies).
+    #[getter]
+    fn masses<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.worlds().read_property(py, Property::Masses)
+    }
+
+    /// As `Simulation.inertias`: (worlds, bodies, 3).
+    #[getter]
+    fn inertias<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.worlds().read_property(py, Property::Inertias)
+    }
+
+    /// As `Simulation.principal_axes`: (worlds, bodies, 4).
+    #[getter]
+    fn principal_axes<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.worlds().read_property(py, Property::PrincipalAxes)
+    }
+
+    /// As `Simulation.asleep`: (worlds, bodies).
+    #[getter]
+    fn asleep<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.worlds().read_asleep(py)
+    }
+
     /// Centres of mass (worlds, bodies, 3) [m].
     #[getter]
     fn positions<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -388,9 +412,7 @@ impl Batch {
 
     /// Brings one world to a snapshot.
     fn restore(&mut self, world: i64, snapshot: &Bound<'_, Snapshot>) -> PyResult<()> {
-        let Trial { simulation, world } = self.trial_mut(world)?;
-        simulation.restore(&snapshot.get().0, world).map_err(Failure::from)?;
-        Ok(())
+        Ok(snapshot.get().restore(self.trial_mut(world)?)?)
     }
 
     fn __len__(&self) -> usize {
@@ -398,8 +420,8 @@ impl Batch {
     }
 
     fn __repr__(&self) -> String {
-        let (worlds, bodies) = (self.batch.len(), self.layout.bodies());
-        format!("<{MODULE}.Batch {:?}: {worlds} worlds of {bodies} bodies>", self.scene.get().title())
+        let (worlds, bodies) = (self.batch.len(), crate::bodies(self.layout.bodies()));
+        format!("<{MODULE}.Batch {:?}: {worlds} worlds of {bodies}>", self.scene.get().title())
     }
 }
 

@@ -19,6 +19,8 @@ pub(crate) enum Failure {
     Type { field: String, problem: String },
     /// A snapshot cannot be taken or restored.
     Snapshot(Box<SnapshotError>),
+    /// A snapshot is of another scene: it has no body of this index.
+    Foreign(u64),
     /// The file of a sweep cannot be used.
     SweepFile(Box<SweepFileError>),
 }
@@ -95,6 +97,10 @@ fn raised(py: Python<'_>, failure: &Failure) -> PyResult<PyErr> {
             }
             other => module.getattr("SweepFileError")?.call1((other.to_string(),))?,
         },
+        Failure::Foreign(body) => {
+            let text = format!("the snapshot is of another scene: it has no body of index {body}");
+            module.getattr("SnapshotError")?.call1((text,))?
+        }
         Failure::Snapshot(error) => module.getattr("SnapshotError")?.call1((error.to_string(),))?,
     };
     Ok(PyErr::from_value(exception))

@@ -30,6 +30,11 @@ use pyo3::prelude::*;
 /// Where the classes are found in Python.
 pub(crate) const MODULE: &str = if cfg!(feature = "f64") { "tumble.double" } else { "tumble" };
 
+/// A number of bodies in words.
+pub(crate) fn bodies(count: usize) -> String {
+    format!("{count} {}", if count == 1 { "body" } else { "bodies" })
+}
+
 fn fill(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<scene::Scene>()?;
     module.add_class::<simulation::Simulation>()?;

@@ -4,9 +4,9 @@ use std::time::{Duration, Instant};
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
-use tumble::math::PRECISION;
-use tumble::{BodyOrder, Ledger, simd_name, state_hash};
-use tumble_record::{Drift, Frame, Kept, Replay, ReportPage, Summary, drift_plot, energy_plot};
+use tumble::math::{PRECISION, Real};
+use tumble::{BodyOrder, Ledger, Trial, simd_name, state_hash};
+use tumble_record::{Drift, Frame, Kept, NotFinite, Replay, ReportPage, Summary, drift_plot, energy_plot};
 
 use crate::MODULE;
 use crate::arrays::array;
@@ -28,84 +28,137 @@ pub(crate) struct Recording {
     page: String,
 }
 
-impl Recording {
-    pub(crate) fn of(simulation: &mut Simulation, py: Python<'_>, steps: u32, every: u32) -> PyResult<Self> {
-        let scene = simulation.scene.clone_ref(py);
-        let (begun, names) = (Instant::now(), &scene.get().recorded_names);
-        let mut replay = Replay::of(&scene.get().scene).map_err(Failure::from)?;
-        let order = BodyOrder::of(&simulation.trial.world);
-        let not_finite = |_| Failure::argument("steps", "the state of a body, or a sum over all, is not finite");
-        let settings = *simulation.trial.simulation.settings();
-        let mut drift = Drift::start(&simulation.trial.world, &settings, &order).map_err(not_finite)?;
-        let mut ledger = Ledger::watch(&simulation.trial.world, &simulation.trial.simulation);
-        let (mut numbers, mut times) = (Vec::new(), Vec::new());
-        let (mut step_time, mut done) = (Duration::ZERO, 0);
-        let first = simulation.trial.simulation.steps();
+/// A run that is being recorded.
+struct Recorder {
+    begun: Instant,
+    step_time: Duration,
+    order: BodyOrder,
+    drift: Drift,
+    ledger: Ledger,
+    replay: Replay,
+    times: Vec<f64>,
+    numbers: Vec<Real>,
+}
+
+fn not_finite(_: NotFinite) -> Failure {
+    Failure::argument("steps", "the state of a body, or a sum over all, is not finite")
+}
+
+impl Recorder {
+    fn start(simulation: &Simulation) -> Result<Self, Failure> {
+        let Trial { simulation: clock, world } = &simulation.trial;
+        let order = BodyOrder::of(world);
+        Ok(Self {
+            begun: Instant::now(),
+            step_time: Duration::ZERO,
+            drift: Drift::start(world, clock.settings(), &order).map_err(not_finite)?,
+            ledger: Ledger::watch(world, clock),
+            replay: Replay::of(&simulation.scene.get().scene)?,
+            order,
+            times: Vec::new(),
+            numbers: Vec::new(),
+        })
+    }
+
+    /// Keeps the state after some steps.
+    fn frame(&mut self, simulation: &mut Simulation, done: u32, is_last: bool) -> Result<(), Failure> {
         let width = Quantity::States.width() * simulation.layout.bodies();
-        loop {
-            let (trial, from) = (&mut simulation.trial, numbers.len());
-            times.push(trial.simulation.time());
-            numbers.resize(from + width, 0.0);
-            read(&mut trial.world, Quantity::States, numbers.get_mut(from..).unwrap_or_default());
-            if done > 0 {
-                drift.sample(&trial.world, &settings, &order).map_err(not_finite)?;
-                ledger.record(&trial.world, &trial.simulation);
-            }
-            let frame = Frame { step: u64::from(done), ..Frame::of(&trial.simulation, &trial.world, &order, names) };
-            if done == steps {
-                replay.finish(&frame);
-                break;
-            }
-            replay.record(&frame);
-            let now = every.min(steps - done);
-            let stepping = Instant::now();
-            simulation.step_by(py, now)?;
-            step_time += stepping.elapsed();
-            done += now;
+        let (Trial { simulation: clock, world }, from) = (&mut simulation.trial, self.numbers.len());
+        self.times.push(clock.time());
+        self.numbers.resize(from + width, 0.0);
+        read(world, Quantity::States, self.numbers.get_mut(from..).unwrap_or_default());
+        if done > 0 {
+            self.drift.sample(world, clock.settings(), &self.order).map_err(not_finite)?;
+            self.ledger.record(world, clock);
         }
-        let bodies = order.len() as u64;
-        let taken = simulation.trial.simulation.steps() - first;
-        let seconds = step_time.as_secs_f64();
-        let rate = bodies as f64 * taken as f64 / seconds;
-        let summary = Summary {
+        let names = &simulation.scene.get().recorded_names;
+        let frame = Frame { step: u64::from(done), ..Frame::of(clock, world, &self.order, names) };
+        if is_last {
+            self.replay.finish(&frame);
+        } else {
+            self.replay.record(&frame);
+        }
+        Ok(())
+    }
+
+    fn summary(&self, trial: &Trial, steps: u64) -> PyResult<Summary> {
+        let (settings, bodies) = (trial.simulation.settings(), self.order.len() as u64);
+        let seconds = self.step_time.as_secs_f64();
+        let rate = bodies as f64 * steps as f64 / seconds;
+        Ok(Summary {
             bodies,
             worlds: 1,
-            steps: taken,
+            steps,
             dt: settings.dt,
             substeps: settings.substeps,
             integrator: settings.integrator.name().to_owned(),
             precision: PRECISION.to_owned(),
             threads: pool()?.current_num_threads() as u64,
             simd: simd_name().to_owned(),
-            wall_seconds: begun.elapsed().as_secs_f64(),
+            wall_seconds: self.begun.elapsed().as_secs_f64(),
             step_seconds: seconds,
             body_steps_per_second: if rate.is_finite() { rate } else { 0.0 },
-            energy: drift.energy(),
-            linear_momentum: drift.linear_momentum(),
-            angular_momentum: drift.angular_momentum(),
-            state_hash: format!("{:016x}", state_hash(&simulation.trial.world, &order)),
-        };
-        let kept = Kept::of(&simulation.trial.world, &settings);
-        let plots = [energy_plot(ledger.entries()), drift_plot(ledger.entries(), drift.energy_scale())];
+            energy: self.drift.energy(),
+            linear_momentum: self.drift.linear_momentum(),
+            angular_momentum: self.drift.angular_momentum(),
+            state_hash: format!("{:016x}", state_hash(&trial.world, &self.order)),
+        })
+    }
+
+    fn finish(self, py: Python<'_>, simulation: &Simulation, steps: u32) -> PyResult<Recording> {
+        let trial = &simulation.trial;
+        let (summary, entries) = (self.summary(trial, u64::from(steps))?, self.ledger.entries());
         let page = ReportPage {
             summary: &summary,
-            kept,
+            kept: Kept::of(&trial.world, trial.simulation.settings()),
             steps_asked: u64::from(steps),
             phases: &[],
-            plots: &plots,
-            replay: &replay,
+            plots: &[energy_plot(entries), drift_plot(entries, self.drift.energy_scale())],
+            replay: &self.replay,
         };
         let mut html = Vec::new();
         page.write(&mut html)?;
-        let frames = times.len();
-        Ok(Self {
+        let shape = [self.times.len(), simulation.layout.bodies(), Quantity::States.width()];
+        Ok(Recording {
             names: simulation.layout.names.clone(),
-            title: scene.get().title().to_owned(),
-            times,
-            energies: ledger.entries().iter().map(tumble::LedgerEntry::energy).collect(),
-            states: array(py, numbers, &[frames, simulation.layout.bodies(), Quantity::States.width()])?.unbind(),
+            title: simulation.scene.get().title().to_owned(),
+            energies: entries.iter().map(tumble::LedgerEntry::energy).collect(),
+            times: self.times,
+            states: array(py, self.numbers, &shape)?.unbind(),
             page: String::from_utf8_lossy(&html).into_owned(),
         })
+    }
+}
+
+impl Recording {
+    /// Takes steps, each after a call of `control`, which has the simulation for itself meanwhile.
+    pub(crate) fn of(
+        simulation: &Bound<'_, Simulation>,
+        steps: u32,
+        every: u32,
+        control: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let py = simulation.py();
+        let mut recorder = Recorder::start(&*simulation.try_borrow()?)?;
+        let mut done = 0;
+        recorder.frame(&mut *simulation.try_borrow_mut()?, done, steps == 0)?;
+        while done < steps {
+            let now = every.min(steps - done);
+            for _ in 0..if control.is_some() { now } else { 1 } {
+                let count = if let Some(control) = control {
+                    control.call1((simulation,))?;
+                    1
+                } else {
+                    now
+                };
+                let stepping = Instant::now();
+                simulation.try_borrow_mut()?.step_by(py, count)?;
+                recorder.step_time += stepping.elapsed();
+            }
+            done += now;
+            recorder.frame(&mut *simulation.try_borrow_mut()?, done, done == steps)?;
+        }
+        recorder.finish(py, &*simulation.try_borrow()?, steps)
     }
 }
 

@@ -7,6 +7,7 @@ use pyo3::types::{PyDict, PyString, PyTuple};
 use tumble_import::InertiaRepairs;
 use tumble_scene::{BodyNames, Format, RunOverrides, SceneTemplate, builtin_scenes};
 
+use crate::MODULE;
 use crate::error::Failure;
 use crate::state;
 
@@ -121,6 +122,12 @@ impl Scene {
     #[pyo3(signature = (scene, *, bodies=None, seed=None, repair=false))]
     fn new(scene: &Bound<'_, PyAny>, bodies: Option<i64>, seed: Option<i64>, repair: bool) -> PyResult<Self> {
         let (bodies, seed) = (small("bodies", bodies)?, small("seed", seed)?);
+        if let Ok(made) = scene.cast::<Self>() {
+            if bodies.is_some() || seed.is_some() || repair {
+                return Err(Failure::argument("scene", "bodies, seed and repair do not go with a Scene").into());
+            }
+            return Ok(made.get().clone());
+        }
         if let Ok(model) = scene.cast::<PyDict>() {
             if bodies.is_some() || seed.is_some() || repair {
                 return Err(Failure::argument("scene", "bodies, seed and repair do not go with a dict").into());
@@ -226,14 +233,13 @@ impl Scene {
     }
 
     fn __repr__(&self) -> String {
-        let (bodies, joints) = (self.names.len(), self.joint_names.len());
-        let joints = if joints > 0 { format!(", {joints} joints") } else { String::new() };
-        format!(
-            "<tumble.Scene {:?}: {bodies} bodies{joints}, {} steps of {:.6} s>",
-            self.title(),
-            self.steps(),
-            self.dt()
-        )
+        let (bodies, joints) = (crate::bodies(self.names.len()), self.joint_names.len());
+        let joints = match joints {
+            0 => String::new(),
+            1 => ", 1 joint".to_owned(),
+            more => format!(", {more} joints"),
+        };
+        format!("<{MODULE}.Scene {:?}: {bodies}{joints}, {} steps of {:.6} s>", self.title(), self.steps(), self.dt())
     }
 }
 

@@ -1,8 +1,8 @@
 //! Which worlds or bodies a call is about.
 
-use numpy::{PyArrayDyn, PyArrayMethods};
+use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyString;
+use pyo3::types::{PyBool, PyByteArray, PyBytes, PyString};
 
 use crate::error::Failure;
 
@@ -16,15 +16,20 @@ pub(crate) fn select(
 ) -> PyResult<Vec<usize>> {
     let Some(value) = value.filter(|value| !value.is_none()) else { return Ok((0..count).collect()) };
     if let Ok(mask) = value.cast::<PyArrayDyn<bool>>() {
-        let mask = mask.readonly().as_array().iter().copied().collect::<Vec<_>>();
-        return masked(&mask, field, count);
+        if mask.ndim() != 1 {
+            return Err(Failure::argument(field, format!("a mask has one axis, not {}", mask.ndim())).into());
+        }
+        return masked(&mask.readonly().as_array().iter().copied().collect::<Vec<_>>(), field, count);
     }
-    if value.cast::<PyString>().is_ok() || value.extract::<i64>().is_ok() {
+    if value.cast::<PyString>().is_ok() || (!is_boolean(value) && value.extract::<i64>().is_ok()) {
         return Ok(vec![one(value, field, count, names)?]);
     }
     let wrong = || Failure::type_of(field, "a name, a number, several of them, or a mask of booleans is needed");
+    if value.cast::<PyBytes>().is_ok() || value.cast::<PyByteArray>().is_ok() {
+        return Err(wrong().into());
+    }
     let items = value.try_iter().map_err(|_| wrong())?.collect::<PyResult<Vec<_>>>()?;
-    if !items.is_empty() && items.iter().all(|item| item.cast::<pyo3::types::PyBool>().is_ok()) {
+    if !items.is_empty() && items.iter().all(is_boolean) {
         let mask = items.iter().map(Bound::is_truthy).collect::<PyResult<Vec<_>>>()?;
         return masked(&mask, field, count);
     }
@@ -42,6 +47,12 @@ pub(crate) fn select(
     Ok(chosen)
 }
 
+/// Whether it is a boolean of Python or of NumPy, which would pass for 0 or 1.
+fn is_boolean(item: &Bound<'_, PyAny>) -> bool {
+    let of_numpy = || item.get_type().name().is_ok_and(|name| name == "bool" || name == "bool_");
+    item.cast::<PyBool>().is_ok() || of_numpy()
+}
+
 fn masked(mask: &[bool], field: &str, count: usize) -> PyResult<Vec<usize>> {
     if mask.len() != count {
         let problem = format!("a mask of {count} booleans is needed, not of {}", mask.len());
@@ -55,8 +66,7 @@ fn one(item: &Bound<'_, PyAny>, field: &str, count: usize, names: Option<&[Strin
         let found = names.iter().position(|known| *known == name);
         return found.ok_or_else(|| Failure::argument(field, format!("the scene has no {name:?}")).into());
     }
-    let index: Result<i64, _> = item.extract();
-    let index = index.map_err(|_| {
+    let index = item.extract::<i64>().ok().filter(|_| !is_boolean(item)).ok_or_else(|| {
         let kind = if names.is_some() { "a name or a number" } else { "a number" };
         Failure::type_of(field, format!("{kind} is needed, not {item}"))
     })?;

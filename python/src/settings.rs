@@ -4,7 +4,7 @@ use pyo3::prelude::*;
 use tumble::math::Vec3;
 use tumble::{Integrator, Settings, SettingsError};
 
-use crate::arrays::{finite, real};
+use crate::arrays::{finite, real, shape_of};
 use crate::error::Failure;
 
 /// What goes in the place of what a scene says.
@@ -39,8 +39,11 @@ impl Overrides {
             ..Self::default()
         };
         if let Some(gravity) = &options.gravity {
-            let gravity = finite(gravity, "gravity", &[3])?;
-            overrides.gravity = Some(<[_; 3]>::try_from(gravity).map(Vec3::from).unwrap_or_default());
+            let numbers = finite(gravity, "gravity", &[3])?;
+            if shape_of(gravity, "gravity")? != [3] {
+                return Err(Failure::argument("gravity", "a vector of three numbers is needed").into());
+            }
+            overrides.gravity = Some(<[_; 3]>::try_from(numbers).map(Vec3::from).unwrap_or_default());
         }
         if let Some(integrator) = &options.integrator {
             let parsed = integrator.parse::<Integrator>();
@@ -68,7 +71,9 @@ impl Overrides {
 }
 
 pub(crate) fn refused(error: SettingsError) -> Failure {
-    Failure::argument(error.field(), error.to_string())
+    let (field, text) = (error.field(), error.to_string());
+    let problem = text.strip_prefix(&format!("{field} ")).unwrap_or(&text);
+    Failure::argument(field, problem)
 }
 
 /// A number of steps or parts.

@@ -8,14 +8,14 @@ use tumble::math::{Real, Vec3};
 use tumble::{BodyOrder, ContactEvent, QueryFilter, Ray, Totals, Trial};
 
 use crate::MODULE;
-use crate::arrays::{array, finite, real};
+use crate::arrays::{array, finite, real, shape_of};
 use crate::error::Failure;
 use crate::joints::{self, DriveQuantity, JointQuantity};
 use crate::recording::Recording;
 use crate::scene::Scene;
 use crate::settings::{Options, Overrides, count, not_negative, refused};
 use crate::snapshot::Snapshot;
-use crate::state::{Layout, Quantity};
+use crate::state::{Layout, Property, Quantity};
 use crate::threads::{ONE_THREAD, in_bursts, pool};
 use crate::worlds::Worlds;
 
@@ -36,6 +36,8 @@ pub(crate) struct Simulation {
     pub(crate) trial: Trial,
     pub(crate) layout: Layout,
     pub(crate) scene: Py<Scene>,
+    /// Of all bursts of the last call.
+    pub(crate) events: Vec<ContactEvent>,
 }
 
 impl Simulation {
@@ -44,12 +46,17 @@ impl Simulation {
     }
 
     pub(crate) fn step_by(&mut self, py: Python<'_>, count: u32) -> PyResult<()> {
-        let trial = &mut self.trial;
-        if self.layout.bodies() <= ONE_THREAD {
-            return in_bursts(py, count, |count, _| trial.step_many(count));
-        }
-        let pool = pool()?;
-        in_bursts(py, count, |count, _| pool.install(|| trial.step_many(count)))
+        let (trial, events) = (&mut self.trial, &mut self.events);
+        events.clear();
+        let is_small = self.layout.bodies() <= ONE_THREAD;
+        let pool = if is_small { None } else { Some(pool()?) };
+        in_bursts(py, count, |count, _| {
+            match &pool {
+                Some(pool) => pool.install(|| trial.step_many(count)),
+                None => trial.step_many(count),
+            }
+            events.extend(trial.simulation.contact_events());
+        })
     }
 
     fn index_of(&self, entity: hecs::Entity) -> i64 {
@@ -94,7 +101,7 @@ impl Simulation {
         let layout = Layout::of(&world, &scene.names, &scene.joint_names);
         joints::watch(&mut world, &layout.joints);
         let trial = Trial::new(settings, world).map_err(refused)?;
-        Ok(Self { trial, layout, scene: Py::new(py, scene)? })
+        Ok(Self { trial, layout, scene: Py::new(py, scene)?, events: Vec::new() })
     }
 
     /// Takes `count` steps. Other threads of Python run meanwhile, and Ctrl-C ends it between two
@@ -106,16 +113,21 @@ impl Simulation {
     }
 
     /// Takes `steps` steps, as many as the scene says unless given, and keeps the start, every
-    /// `every`-th state and the end.
-    #[pyo3(signature = (steps=None, *, every=1))]
-    fn record(&mut self, py: Python<'_>, steps: Option<i64>, every: i64) -> PyResult<Recording> {
-        let of_scene = || i64::try_from(self.scene.get().scene.steps).unwrap_or(i64::MAX);
-        let steps = count("steps", steps.unwrap_or_else(of_scene))?;
+    /// `every`-th state and the end. `control` is called with the simulation before each step.
+    #[pyo3(signature = (steps=None, *, every=1, control=None))]
+    fn record(
+        this: &Bound<'_, Self>,
+        steps: Option<i64>,
+        every: i64,
+        control: Option<Bound<'_, PyAny>>,
+    ) -> PyResult<Recording> {
+        let of_scene = i64::try_from(this.try_borrow()?.scene.get().scene.steps).unwrap_or(i64::MAX);
+        let steps = count("steps", steps.unwrap_or(of_scene))?;
         let every = count("every", every)?;
         if every == 0 {
             return Err(Failure::argument("every", "1 step at least").into());
         }
-        Recording::of(self, py, steps, every)
+        Recording::of(this, steps, every, control.as_ref())
     }
 
     /// The scene that it was made of.
@@ -163,10 +175,27 @@ impl Simulation {
 
     /// Masses (bodies,) [kg]; infinite where no force moves the body.
     #[getter]
-    fn masses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let mass = |body: &hecs::Entity| self.trial.world.get::<&tumble::Mass>(*body).map(|mass| mass.kilograms());
-        let masses = self.layout.entities.iter().map(|body| mass(body).unwrap_or(Real::INFINITY)).collect();
-        array(py, masses, &[self.layout.bodies()])
+    fn masses<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.worlds().read_property(py, Property::Masses)
+    }
+
+    /// Principal moments of inertia about the centres of mass (bodies, 3) [kg m^2]; infinite where
+    /// no force moves the body, 0 for a point mass.
+    #[getter]
+    fn inertias<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.worlds().read_property(py, Property::Inertias)
+    }
+
+    /// Principal axes (bodies, 4): quaternions x, y, z, w from the principal frame to the body's.
+    #[getter]
+    fn principal_axes<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.worlds().read_property(py, Property::PrincipalAxes)
+    }
+
+    /// Which bodies sleep (bodies,); none does unless the settings have `sleep`.
+    #[getter]
+    fn asleep<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.worlds().read_asleep(py)
     }
 
     /// Centres of mass (bodies, 3) [m].
@@ -213,7 +242,8 @@ impl Simulation {
         self.set_one(Quantity::AngularVelocities, value)
     }
 
-    /// Position, orientation, velocity and angular velocity of each body (bodies, 13).
+    /// Position, orientation, velocity and angular velocity of each body (bodies, 13). To set what
+    /// was read changes bits, for the state is momentum: a snapshot goes back exactly.
     #[getter]
     fn states<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.state(py, Quantity::States)
@@ -364,7 +394,7 @@ impl Simulation {
             let [first, second] = event.bodies().map(|body| name(body).cloned().unwrap_or_default());
             (if matches!(event, ContactEvent::Begin(..)) { "begin" } else { "end" }, first, second)
         };
-        self.trial.simulation.contact_events().map(event).collect()
+        self.events.iter().copied().map(event).collect()
     }
 
     /// What rays hit first, with rows for each: `origins` and `directions` (n, 3), whose lengths do
@@ -379,7 +409,7 @@ impl Simulation {
         max_distance: f64,
     ) -> PyResult<Bound<'py, PyDict>> {
         let max_distance = not_negative("max_distance", max_distance)?;
-        let shape: Vec<usize> = py.import("numpy")?.call_method1("shape", (origins,))?.extract()?;
+        let shape = shape_of(origins, "origins")?;
         let rows = if shape.len() == 2 { shape.first().copied().unwrap_or(0) } else { 1 };
         let vectors_of = |value: &Bound<'py, PyAny>, field| -> PyResult<Vec<Vec3>> {
             let numbers = finite(value, field, &[rows, 3])?;
@@ -437,9 +467,8 @@ impl Simulation {
 
     /// Goes back to a snapshot of this scene, and on from there with the same bits.
     fn restore(&mut self, snapshot: &Bound<'_, Snapshot>) -> PyResult<()> {
-        let Trial { simulation, world } = &mut self.trial;
-        simulation.restore(&snapshot.get().0, world).map_err(Failure::from)?;
-        Ok(())
+        self.events.clear();
+        Ok(snapshot.get().restore(&mut self.trial)?)
     }
 
     fn __len__(&self) -> usize {
@@ -447,7 +476,7 @@ impl Simulation {
     }
 
     fn __repr__(&self) -> String {
-        let (bodies, steps, time) = (self.layout.bodies(), self.steps(), self.time());
-        format!("<{MODULE}.Simulation {:?}: {bodies} bodies, step {steps}, t = {time:.6} s>", self.scene.get().title())
+        let (bodies, steps, time) = (crate::bodies(self.layout.bodies()), self.steps(), self.time());
+        format!("<{MODULE}.Simulation {:?}: {bodies}, step {steps}, t = {time:.6} s>", self.scene.get().title())
     }
 }

@@ -1,8 +1,11 @@
 //! Snapshots.
 
+use std::collections::HashSet;
+
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use tumble::Trial;
 
 use crate::MODULE;
 use crate::error::Failure;
@@ -13,6 +16,20 @@ use crate::error::Failure;
 #[cfg_attr(not(feature = "f64"), pyclass(module = "tumble", frozen))]
 #[cfg_attr(feature = "f64", pyclass(module = "tumble.double", frozen))]
 pub(crate) struct Snapshot(pub(crate) tumble::Snapshot);
+
+impl Snapshot {
+    /// Brings a world to this, all of whose bodies have to be in it.
+    pub(crate) fn restore(&self, trial: &mut Trial) -> Result<(), Failure> {
+        let Trial { simulation, world } = trial;
+        let now = tumble::Snapshot::capture(world)?;
+        let known: HashSet<_> = self.0.ids().iter().collect();
+        if let Some(id) = now.ids().iter().filter(|id| !known.contains(id)).min() {
+            return Err(Failure::Foreign(id.0));
+        }
+        simulation.restore(&self.0, world)?;
+        Ok(())
+    }
+}
 
 #[pymethods]
 impl Snapshot {
@@ -57,6 +74,6 @@ impl Snapshot {
 
     fn __repr__(&self) -> String {
         let steps = self.steps().map_or(String::new(), |steps| format!(" after {steps} steps"));
-        format!("<{MODULE}.Snapshot of {} bodies{steps}, state_hash {}>", self.0.len(), self.state_hash())
+        format!("<{MODULE}.Snapshot of {}{steps}, state_hash {}>", crate::bodies(self.0.len()), self.state_hash())
     }
 }

@@ -4,8 +4,8 @@
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::{
-    BodyId, BodyOrder, ConstantWrench, Joint, Mass, Momentum, Pose, PreviousPose, Trial, Velocity, VelocityError,
-    set_velocity,
+    BodyId, BodyOrder, ConstantWrench, Inertia, Joint, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Trial,
+    Velocity, VelocityError, set_velocity,
 };
 use tumble_scene::BodyNames;
 
@@ -136,6 +136,45 @@ pub(crate) fn read(world: &mut World, quantity: Quantity, to: &mut [Real]) {
     }
 }
 
+/// What does not change with the motion.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Property {
+    Masses,
+    Inertias,
+    PrincipalAxes,
+}
+
+impl Property {
+    /// Numbers of a body.
+    pub(crate) fn width(self) -> usize {
+        match self {
+            Self::Masses => 1,
+            Self::Inertias => 3,
+            Self::PrincipalAxes => 4,
+        }
+    }
+}
+
+/// Writes a property of all bodies of a world, body after body; infinite where no force moves it.
+pub(crate) fn read_properties(world: &World, layout: &Layout, property: Property, to: &mut [Real]) {
+    for (&body, place) in layout.entities.iter().zip(to.chunks_mut(property.width())) {
+        let is_dynamic = world.satisfies::<&Momentum>(body);
+        match property {
+            Property::Masses => {
+                place.fill(world.get::<&Mass>(body).map_or(Real::INFINITY, |mass| mass.kilograms()));
+            }
+            Property::Inertias => match world.get::<&Inertia>(body) {
+                Ok(inertia) => place.copy_from_slice(&inertia.moments().to_array()),
+                Err(_) => place.fill(if is_dynamic { 0.0 } else { Real::INFINITY }),
+            },
+            Property::PrincipalAxes => {
+                let axes = world.get::<&PrincipalAxes>(body).map_or(Quat::IDENTITY, |axes| axes.0);
+                place.copy_from_slice(&axes.to_array());
+            }
+        }
+    }
+}
+
 /// What a body is given; what is `None` stays.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Given {
@@ -146,7 +185,7 @@ pub(crate) struct Given {
 }
 
 /// Largest coordinate of a position \[m\], as in scene files.
-const MAX_POSITION: Real = 1e15;
+pub(crate) const MAX_POSITION: Real = 1e15;
 /// How far from 1 the length of a quaternion may be, as in scene files.
 const LENGTH_TOLERANCE: Real = 1e-3;
 /// Largest component of a velocity \[m/s\] \[rad/s\], as in scene files.
@@ -179,13 +218,21 @@ impl Given {
     /// Why the body cannot have it, if that is so.
     pub(crate) fn check(&self, world: &World, body: Entity) -> Result<(), (&'static str, String)> {
         let moves = world.satisfies::<&Velocity>(body) || world.satisfies::<&Momentum>(body);
-        let turns = !world.satisfies::<&Momentum>(body) || world.satisfies::<&tumble::Inertia>(body);
+        let turns = !world.satisfies::<&Momentum>(body) || world.satisfies::<&Inertia>(body);
         let is_some = |velocity: Option<Vec3>| velocity.is_some_and(|velocity| velocity != Vec3::ZERO);
         if !moves && is_some(self.linear) {
             return Err(("linear_velocities", "is fixed, and has no velocity but 0".to_owned()));
         }
         if !moves && is_some(self.angular) {
             return Err(("angular_velocities", "is fixed, and has no velocity but 0".to_owned()));
+        }
+        let mass = world.get::<&Mass>(body).map_or(0.0, |mass| mass.kilograms());
+        if self.linear.is_some_and(|linear| !(linear * mass).is_finite()) {
+            return Err(("linear_velocities", "would have a momentum that is not finite".to_owned()));
+        }
+        let moment = world.get::<&Inertia>(body).map_or(0.0, |inertia| inertia.moments().max_element());
+        if self.angular.is_some_and(|angular| !(angular.length() * moment).is_finite()) {
+            return Err(("angular_velocities", "would have an angular momentum that is not finite".to_owned()));
         }
         if !turns && is_some(self.angular) {
             return Err(("angular_velocities", "is a point mass, which does not turn".to_owned()));

@@ -1,5 +1,6 @@
 //! What one world and many have in common: arrays with or without an axis of worlds.
 
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use tumble::math::{Real, Vec3};
@@ -10,7 +11,7 @@ use crate::arrays::{filled, finite, index_of, numbers, text};
 use crate::error::Failure;
 use crate::joints::{self, DriveQuantity, JointQuantity};
 use crate::selection::select;
-use crate::state::{self, Given, Layout, Quantity};
+use crate::state::{self, Given, Layout, Property, Quantity};
 use crate::threads::in_pool_attached;
 
 /// Worlds of one layout. Arrays have the axes `axes` before those of bodies and numbers.
@@ -61,6 +62,24 @@ impl Worlds<'_> {
     ) -> PyResult<Bound<'py, PyAny>> {
         let rest = [self.layout.bodies(), quantity.width()];
         self.read(py, &rest, out, |trial, to| state::read(&mut trial.world, quantity, to))
+    }
+
+    pub(crate) fn read_property<'py>(self, py: Python<'py>, property: Property) -> PyResult<Bound<'py, PyAny>> {
+        let layout = self.layout;
+        let rest = [layout.bodies(), property.width()];
+        let rest = if property.width() == 1 { &rest[..1] } else { &rest[..] };
+        self.read(py, rest, None, |trial, to| state::read_properties(&trial.world, layout, property, to))
+    }
+
+    /// Which bodies sleep.
+    pub(crate) fn read_asleep<'py>(self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let entities = &self.layout.entities;
+        let of_world = |trial: &&mut Trial| {
+            let simulation = &trial.simulation;
+            entities.iter().map(|&body| simulation.is_asleep(body)).collect::<Vec<_>>()
+        };
+        let asleep = self.trials.iter().flat_map(of_world).collect();
+        Ok(PyArray1::from_vec(py, asleep).reshape(self.shape(&[entities.len()]))?.into_any())
     }
 
     pub(crate) fn read_joints<'py>(self, py: Python<'py>, quantity: JointQuantity) -> PyResult<Bound<'py, PyAny>> {
@@ -122,10 +141,9 @@ impl Worlds<'_> {
         fill(&mut loads, vectors(forces, "forces")?, |load, force| load.force = Some(force));
         fill(&mut loads, vectors(torques, "torques")?, |load, torque| load.torque = Some(torque));
         fill(&mut loads, vectors(points, "points")?, |load, point| load.point = Some(point));
-        if loads.iter().all(Load::is_in_range) {
-            Ok(loads)
-        } else {
-            Err(Failure::argument("forces", "a component is beyond 1e18").into())
+        match loads.iter().find_map(Load::fault) {
+            Some((field, limit)) => Err(Failure::argument(field, format!("a component is beyond {limit:e}")).into()),
+            None => Ok(loads),
         }
     }
 
@@ -190,6 +208,16 @@ impl Worlds<'_> {
             return Err(Failure::argument("bodies", problem).into());
         }
         let loads = self.loads(&bodies, forces, torques, None)?;
+        for (trial, loads) in self.trials.iter().zip(loads.chunks(bodies.len().max(1))) {
+            for (&body, load) in bodies.iter().zip(loads) {
+                let entity = self.layout.entities.get(body);
+                if entity.is_some_and(|&entity| load.turns_held(&trial.world, entity, frame)) {
+                    let name = self.layout.names.get(body).map_or("", String::as_str);
+                    let problem = format!("what {name:?} keeps acts in the other frame: set forces and torques both");
+                    return Err(Failure::argument("frame", problem).into());
+                }
+            }
+        }
         self.apply(&bodies, &loads, |trial, body, load| load.hold(&mut trial.world, body, frame))
     }
 

@@ -25,5 +25,13 @@ def to_json(model: dict[str, Any]) -> str:
     """The text of a scene file with these keys; NumPy's numbers and arrays are taken as lists."""
     try:
         return json.dumps(model, default=_plain)
-    except (ValueError, RecursionError) as error:
+    except ArgumentTypeError:
+        raise
+    except (TypeError, ValueError, RecursionError) as error:
         raise ArgumentTypeError(f"scene: {error}", "scene") from None
+
+
+def doubles(array: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """The array in double precision, contiguous; what is too large becomes infinite."""
+    with np.errstate(over="ignore"):
+        return np.ascontiguousarray(array, dtype=np.float64)
