@@ -1,27 +1,28 @@
 """What Python costs: 4096 worlds of eight boxes, free and on a plane, 16 steps a call.
 
-    cargo build --release --example batch_calls
+    cargo build --release -p tumble-tests --example batch_calls
     python python/benches/batch.py target/release/examples/batch_calls [THREADS] [ROUNDS]
 
 Steps the same scene from Python, in Rust, and with MuJoCo's `rollout` where that is installed, one
-after the other in each round, and prints the medians of the rounds.
+after the other in each round, each in a process of its own, and prints the medians of the rounds.
 """
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import tumble
 
-WORLDS, BODIES, STEPS, CALLS = 4096, 8, 16, 9
+WORLDS, BODIES, STEPS = 4096, 8, 16
 DT = 1 / 60
 
 
@@ -52,46 +53,39 @@ def scene(on_plane: bool) -> dict[str, Any]:
     return {"dt": DT, "bodies": bodies}
 
 
-def in_python(model: dict[str, Any], rounds: list[dict[str, float]]) -> Any:
-    batch = tumble.Batch(model, WORLDS)
+def calls(on_plane: bool) -> int:
+    """How many calls are timed: the first dozen of short ones are slower."""
+    return 9 if on_plane else 61
+
+
+def median_time(call: Callable[[], Any], count: int) -> float:
+    times = []
+    for _ in range(count):
+        begun = time.perf_counter()
+        call()
+        times.append(time.perf_counter() - begun)
+    return statistics.median(times)
+
+
+def in_python(on_plane: bool, threads: int) -> dict[str, float]:
+    import tumble
+
+    tumble.set_threads(threads)
+    batch = tumble.Batch(scene(on_plane), WORLDS)
     out = batch.states
+    # What begins in the air comes to the ground first, as in Rust.
     batch.step(120)
-
-    def measure() -> None:
-        plain, observed, reading = [], [], []
-        for _ in range(CALLS):
-            begun = time.perf_counter()
-            batch.step(STEPS)
-            stepped = time.perf_counter()
-            batch.read_states(out)
-            read = time.perf_counter()
-            batch.step(STEPS, out=out)
-            plain.append(stepped - begun)
-            reading.append(read - stepped)
-            observed.append(time.perf_counter() - read)
-        found = {"python": plain, "read": reading, "python with out": observed}
-        rounds[-1].update({name: statistics.median(times) for name, times in found.items()})
-
-    return measure
+    return {
+        "python": median_time(lambda: batch.step(STEPS), calls(on_plane)),
+        "python with out": median_time(lambda: batch.step(STEPS, out=out), calls(on_plane)),
+        "read": median_time(lambda: batch.read_states(out), calls(on_plane)),
+    }
 
 
-def in_rust(program: str, model: dict[str, Any], threads: int, folder: Path, rounds: list[dict[str, float]]) -> Any:
-    path = folder / "scene.json"
-    path.write_text(json.dumps(model))
-    command = [program, str(path), str(WORLDS), str(STEPS), str(CALLS), str(threads)]
+def in_mujoco(on_plane: bool, threads: int) -> dict[str, float]:
+    import mujoco
+    from mujoco import rollout
 
-    def measure() -> None:
-        rounds[-1]["rust"] = float(subprocess.run(command, capture_output=True, text=True, check=True).stdout)
-
-    return measure
-
-
-def in_mujoco(on_plane: bool, threads: int, rounds: list[dict[str, float]]) -> Any:
-    try:
-        import mujoco
-        from mujoco import rollout
-    except ImportError:
-        return None
     passes = "" if on_plane else 'contype="0" conaffinity="0"'
     bodies = "".join(
         f'<body pos="{body["position"][0]} {body["position"][1]} {body["position"][2]}"><freejoint/>'
@@ -111,43 +105,53 @@ def in_mujoco(on_plane: bool, threads: int, rounds: list[dict[str, float]]) -> A
     mujoco.mj_getState(model, datas[0], state, mujoco.mjtState.mjSTATE_FULLPHYSICS)
     starts = np.tile(state, (WORLDS, 1))
     states = np.empty((WORLDS, STEPS, size))
+    call = lambda: rollout.rollout(model, datas, starts, nstep=STEPS, state=states, persistent_pool=True)  # noqa: E731
+    call()
+    return {f"MuJoCo {mujoco.__version__} rollout": median_time(call, 3)}
 
-    def measure() -> None:
-        times = []
-        for _ in range(3):
-            begun = time.perf_counter()
-            # Without its own pool: one that persists takes the cores from what is measured next.
-            rollout.rollout(model, datas, starts, nstep=STEPS, state=states)
-            times.append(time.perf_counter() - begun)
-        rounds[-1][f"MuJoCo {mujoco.__version__} rollout"] = statistics.median(times)
 
-    return measure
+def in_rust(program: str, on_plane: bool, threads: int) -> dict[str, float]:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "scene.json"
+        path.write_text(json.dumps(scene(on_plane)))
+        command = [program, str(path), str(WORLDS), str(STEPS), str(calls(on_plane)), str(threads)]
+        return {"rust": float(subprocess.run(command, capture_output=True, text=True, check=True).stdout)}
+
+
+def alone(part: str, on_plane: bool, threads: int) -> dict[str, float]:
+    """A part in a process of its own: what one leaves behind is not what another finds."""
+    command = [sys.executable, __file__, "--part", part, str(int(on_plane)), str(threads)]
+    found: dict[str, float] = json.loads(subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout)
+    return found
+
+
+def compare(program: str, on_plane: bool, threads: int, count: int) -> None:
+    rounds = []
+    for _ in range(count):
+        found = alone("python", on_plane, threads) | in_rust(program, on_plane, threads)
+        if importlib.util.find_spec("mujoco"):
+            found |= alone("mujoco", on_plane, threads)
+        rounds.append(found)
+    print(f"{'on a plane' if on_plane else 'free'}, {threads} threads, {count} rounds")
+    medians = {name: statistics.median(found[name] for found in rounds) for name in rounds[0]}
+    for name, seconds in medians.items():
+        rate = "" if name == "read" else f" {WORLDS * BODIES * STEPS / seconds / 1e6:9.3f} M body-steps/s"
+        print(f"  {name:24} {1e3 * seconds:9.3f} ms a call{rate}")
+    ratio = statistics.median(found["rust"] / found["python"] for found in rounds)
+    step = medians["python"] / STEPS
+    reading, writing = medians["read"] / step, (medians["python with out"] - medians["python"]) / step
+    print(f"  Python reaches {100 * ratio:.1f} % of Rust")
+    print(f"  states cost {100 * reading:.0f} % of a step when read, {100 * writing:.0f} % with out")
 
 
 def main() -> None:
-    program = sys.argv[1]
+    if sys.argv[1] == "--part":
+        parts = {"python": in_python, "mujoco": in_mujoco}
+        print(json.dumps(parts[sys.argv[2]](sys.argv[3] == "1", int(sys.argv[4]))))
+        return
     threads, count = (int(text) for text in (sys.argv[2:] + ["2", "5"][len(sys.argv) - 2 :]))
-    tumble.set_threads(threads)
     for on_plane in (False, True):
-        rounds: list[dict[str, float]] = []
-        with tempfile.TemporaryDirectory() as folder:
-            model = scene(on_plane)
-            parts = [
-                in_python(model, rounds),
-                in_rust(program, model, threads, Path(folder), rounds),
-                in_mujoco(on_plane, threads, rounds),
-            ]
-            for _ in range(count):
-                rounds.append({})
-                for part in filter(None, parts):
-                    part()
-        print(f"{'on a plane' if on_plane else 'free'}, {threads} threads, {count} rounds")
-        medians = {name: statistics.median(found[name] for found in rounds) for name in rounds[0]}
-        for name, seconds in medians.items():
-            rate = WORLDS * BODIES * STEPS / seconds / 1e6
-            print(f"  {name:24} {1e3 * seconds:9.3f} ms a call{'' if name == 'read' else f' {rate:9.3f} M body-steps/s'}")
-        ratio = statistics.median(found["rust"] / found["python"] for found in rounds)
-        print(f"  Python reaches {100 * ratio:.1f} % of Rust; reading is {100 * medians['read'] / (medians['python'] / STEPS):.1f} % of a step")
+        compare(sys.argv[1], on_plane, threads, count)
 
 
 if __name__ == "__main__":
