@@ -19,7 +19,7 @@ const LIBRARIES: [(&str, usize); 9] = [
     ("crates/tumble-scene", 15),
     ("crates/tumble-sweep", 15),
     ("crates/tumble-vehicle", 15),
-    ("crates/tumble-character", 15),
+    ("crates/tumble-character", 10),
     ("crates/tumble-collide", 15),
 ];
 

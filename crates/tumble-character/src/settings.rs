@@ -76,6 +76,16 @@ pub struct CharacterSettings {
 }
 
 /// Whether a character turns about the up axis with what it stands on.
+///
+/// ```
+/// use tumble_character::{CharacterSettings, Turning};
+///
+/// // The camera of a shooter does not turn with the lift.
+/// let mut settings = CharacterSettings::of_height(1.8);
+/// assert_eq!(settings.turning, Turning::WithGround);
+/// settings.turning = Turning::Never;
+/// # assert!(tumble_character::Character::new(settings).is_ok());
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Turning {
     /// Its orientation turns as the ground does.

@@ -4,6 +4,23 @@ use tumble::hecs::Entity;
 use tumble::math::{Real, Vec3};
 
 /// What a character is to do in the next steps: a component that the game writes.
+///
+/// ```
+/// use tumble::prelude::*;
+/// use tumble_character::*;
+///
+/// let mut world = hecs::World::new();
+/// let ground = spawn_ground(&mut world);
+/// let hero = world.spawn(Character::new(CharacterSettings::of_height(1.8))?.at(Vec3::ZERO));
+/// let mut simulation = Simulation::new(Settings::default())?;
+/// world.get::<&mut CharacterInput>(hero)?.velocity = Vec3::X * 2.0;
+/// for _ in 0..60 {
+///     move_characters(&mut world, &simulation);
+///     simulation.step(&mut world);
+/// }
+/// assert!(world.get::<&Pose>(hero)?.position.x > 1.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CharacterInput {
     /// The velocity that it is to have relative to the ground, and in the air to the world \[m/s\];
@@ -16,6 +33,20 @@ pub struct CharacterInput {
 }
 
 /// What carries a character.
+///
+/// ```
+/// use tumble::prelude::*;
+/// use tumble_character::*;
+///
+/// let mut world = hecs::World::new();
+/// let ground = spawn_ground(&mut world);
+/// let hero = world.spawn(Character::new(CharacterSettings::of_height(1.8))?.at(Vec3::ZERO));
+/// let mut simulation = Simulation::new(Settings::default())?;
+/// move_characters(&mut world, &simulation);
+/// simulation.step(&mut world);
+/// assert_eq!(world.get::<&CharacterState>(hero)?.ground, GroundState::OnGround);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[doc(alias("EGroundState", "grounded", "is_on_floor"))]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum GroundState {
@@ -34,6 +65,24 @@ pub enum GroundState {
 /// With pose and velocity it is all that a character knows from step to step; who goes back to an
 /// earlier step puts it back, see [`SavedCharacters`](crate::SavedCharacters). All vectors are in
 /// the world frame.
+///
+/// ```
+/// use tumble::prelude::*;
+/// use tumble_character::*;
+///
+/// let mut world = hecs::World::new();
+/// let ground = spawn_ground(&mut world);
+/// let hero = world.spawn(Character::new(CharacterSettings::of_height(1.8))?.at(Vec3::ZERO));
+/// let mut simulation = Simulation::new(Settings::default())?;
+/// world.get::<&mut CharacterInput>(hero)?.crouch = true;
+/// for _ in 0..2 {
+///     move_characters(&mut world, &simulation);
+///     simulation.step(&mut world);
+/// }
+/// let state = *world.get::<&CharacterState>(hero)?;
+/// assert!(state.is_crouching && state.ground_entity == Some(ground));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct CharacterState {

@@ -4,6 +4,21 @@ use tumble::hecs::Entity;
 use tumble::math::Vec3;
 
 /// A body that a character has come up against.
+///
+/// ```
+/// use tumble::prelude::*;
+/// use tumble_character::*;
+///
+/// let mut world = hecs::World::new();
+/// let ground = spawn_ground(&mut world);
+/// let hero = world.spawn(Character::new(CharacterSettings::of_height(1.8))?.at(Vec3::ZERO));
+/// let mut simulation = Simulation::new(Settings::default())?;
+/// move_characters(&mut world, &simulation);
+/// simulation.step(&mut world);
+/// let touches = *world.get::<&CharacterTouches>(hero)?;
+/// assert!(touches.iter().all(|touch| touch.entity == ground && touch.normal.y > 0.99));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Touch {
@@ -17,6 +32,20 @@ pub struct Touch {
 
 /// The bodies that a character has touched in the last step, each once, ground included: a
 /// component that [`move_characters`](crate::move_characters()) writes.
+///
+/// ```
+/// use tumble::prelude::*;
+/// use tumble_character::*;
+///
+/// let mut world = hecs::World::new();
+/// let ground = spawn_ground(&mut world);
+/// let hero = world.spawn(Character::new(CharacterSettings::of_height(1.8))?.at(Vec3::ZERO));
+/// let mut simulation = Simulation::new(Settings::default())?;
+/// move_characters(&mut world, &simulation);
+/// simulation.step(&mut world);
+/// assert!(world.get::<&CharacterTouches>(hero)?.contains(ground));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CharacterTouches {
     touches: [Option<Touch>; Self::MAX],
