@@ -24,7 +24,8 @@ pub(crate) fn doubles(value: &Bound<'_, PyAny>, field: &str, shape: &[usize]) ->
     };
     let made = value.py().import("tumble._model")?.call_method1("doubles", (spread,))?;
     let made = made.cast::<PyArrayDyn<f64>>().map_err(PyErr::from)?;
-    Ok(made.readonly().as_slice()?.to_vec())
+    let busy = |_| Failure::argument(field, "another call writes to the array");
+    Ok(made.try_readonly().map_err(busy)?.as_slice()?.to_vec())
 }
 
 fn as_array<'py>(value: &Bound<'py, PyAny>, field: &str) -> PyResult<Bound<'py, PyAny>> {

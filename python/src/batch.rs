@@ -18,7 +18,7 @@ use crate::selection::select;
 use crate::settings::{Options, Overrides, count};
 use crate::snapshot::Snapshot;
 use crate::state::{self, Layout, Property, Quantity};
-use crate::threads::{in_bursts, in_pool_attached, pool};
+use crate::threads::{Burst, in_bursts, in_pool, pool};
 use crate::worlds::Worlds;
 
 /// Many independent worlds of one scene, stepped in parallel. Each gets the bits that it gets
@@ -37,6 +37,7 @@ pub(crate) struct Batch {
     layout: Layout,
     scene: Py<Scene>,
     maker: Maker,
+    burst: Burst,
 }
 
 impl Batch {
@@ -103,7 +104,7 @@ impl Batch {
             count.ok_or_else(|| Failure::argument("worlds", format!("1 to {MAX_WORLDS} are needed, not {worlds}")))?;
         let scene = Scene::from_argument(scene)?;
         let vary = vary.filter(|vary| !vary.is_empty());
-        let varied = vary.map(|vary| Varied::read(&scene, vary, count)).transpose()?;
+        let varied = vary.map(|vary| Varied::read(&scene, vary, count, &overrides)).transpose()?;
         let maker = Maker { overrides, varied };
         let all: Vec<usize> = (0..count).collect();
         let trials = maker.make_all(py, &scene, maker.values(), &all)?;
@@ -111,7 +112,13 @@ impl Batch {
             Some(first) => Layout::of(&first.world, &scene.names, &scene.joint_names),
             None => Layout::of(&World::new(), &[], &[]),
         };
-        Ok(Self { batch: trials.into_iter().collect(), layout, scene: Py::new(py, scene)?, maker })
+        Ok(Self {
+            batch: trials.into_iter().collect(),
+            layout,
+            scene: Py::new(py, scene)?,
+            maker,
+            burst: Burst::default(),
+        })
     }
 
     /// Takes `count` steps in every world. Several steps in one call cost less than one each. With
@@ -121,9 +128,10 @@ impl Batch {
     #[pyo3(signature = (count=1, *, out=None))]
     fn step(&mut self, py: Python<'_>, count: i64, out: Option<Bound<'_, PyAny>>) -> PyResult<()> {
         let steps = self::count("count", count)?;
-        let (batch, pool) = (&mut self.batch, pool()?);
+        let pool = pool()?;
+        let (batch, burst) = (&mut self.batch, &mut self.burst);
         let Some(out) = out else {
-            return in_bursts(py, steps, |count, _| pool.install(|| batch.step_many(count)));
+            return in_bursts(py, burst, steps, |count, _| pool.install(|| batch.step_many(count)));
         };
         if steps == 0 {
             return self.worlds().read_state(py, Quantity::States, Some(out)).map(drop);
@@ -132,7 +140,7 @@ impl Batch {
         let numbers = (shape[1] * shape[2]).max(1);
         filled(py, Some(out), &shape, |to| {
             let places: Vec<_> = to.chunks_mut(numbers).map(Mutex::new).collect();
-            in_bursts(py, steps, |count, is_last| {
+            in_bursts(py, burst, steps, |count, is_last| {
                 let observe = |index: usize, trial: &mut Trial| {
                     if let Some(place) = places.get(index).filter(|_| is_last) {
                         let mut place = place.lock().unwrap_or_else(PoisonError::into_inner);
@@ -146,7 +154,7 @@ impl Batch {
     }
 
     /// Makes the chosen worlds again as they were at the start, by indices or a mask of booleans;
-    /// with `vary` with other numbers, one for each chosen world.
+    /// with `vary` with other numbers, one for each chosen world, which stay for later resets.
     #[pyo3(signature = (worlds=None, *, vary=None))]
     fn reset(
         &mut self,
@@ -313,26 +321,28 @@ impl Batch {
     #[pyo3(signature = (bodies=None, *, worlds=None, forces=None, torques=None, points=None))]
     fn push(
         &mut self,
+        py: Python<'_>,
         bodies: Option<&Bound<'_, PyAny>>,
         worlds: Option<&Bound<'_, PyAny>>,
         forces: Option<&Bound<'_, PyAny>>,
         torques: Option<&Bound<'_, PyAny>>,
         points: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
-        self.chosen(worlds)?.push(bodies, forces, torques, points)
+        self.chosen(worlds)?.push(py, bodies, forces, torques, points)
     }
 
     /// As `Simulation.set_forces`, in the chosen worlds: (chosen worlds, chosen bodies, 3) each.
     #[pyo3(signature = (bodies=None, *, worlds=None, forces=None, torques=None, frame="world"))]
     fn set_forces(
         &mut self,
+        py: Python<'_>,
         bodies: Option<&Bound<'_, PyAny>>,
         worlds: Option<&Bound<'_, PyAny>>,
         forces: Option<&Bound<'_, PyAny>>,
         torques: Option<&Bound<'_, PyAny>>,
         frame: &str,
     ) -> PyResult<()> {
-        self.chosen(worlds)?.hold(bodies, forces, torques, frame)
+        self.chosen(worlds)?.hold(py, bodies, forces, torques, frame)
     }
 
     /// As `Simulation.joint_values`: (worlds, joints, 6).
@@ -371,6 +381,12 @@ impl Batch {
         self.worlds().read_drives(py, DriveQuantity::Velocities)
     }
 
+    /// As `Simulation.drive_max_forces`: (worlds, drives).
+    #[getter]
+    fn drive_max_forces<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.worlds().read_drives(py, DriveQuantity::MaxForces)
+    }
+
     /// As `Simulation.set_drives`, in the chosen worlds: (chosen worlds, chosen drives) each.
     #[pyo3(signature = (drives=None, *, worlds=None, positions=None, velocities=None, max_forces=None))]
     fn set_drives(
@@ -394,13 +410,13 @@ impl Batch {
         let energy = |trial: &mut Trial| {
             Totals::of(&trial.world, trial.simulation.settings(), &BodyOrder::of(&trial.world)).energy()
         };
-        let energies = in_pool_attached(|| self.batch.map(|_, trial| energy(trial)))?;
+        let energies = in_pool(py, || self.batch.map(|_, trial| energy(trial)))?;
         Ok(PyArray1::from_vec(py, energies))
     }
 
     /// Hash of the state of each world, 16 hexadecimal digits.
-    fn state_hashes(&mut self) -> PyResult<Vec<String>> {
-        in_pool_attached(|| self.batch.map(|_, trial| format!("{:016x}", trial.state_hash())))
+    fn state_hashes(&mut self, py: Python<'_>) -> PyResult<Vec<String>> {
+        in_pool(py, || self.batch.map(|_, trial| format!("{:016x}", trial.state_hash())))
     }
 
     /// The state of one world, to go back to, there or in another world of the scene.
@@ -426,4 +442,4 @@ impl Batch {
 }
 
 /// Most worlds of a batch, all of which are in memory.
-const MAX_WORLDS: usize = 10_000_000;
+const MAX_WORLDS: usize = 1_000_000;

@@ -19,6 +19,8 @@ pub(crate) enum Failure {
     Type { field: String, problem: String },
     /// A snapshot cannot be taken or restored.
     Snapshot(Box<SnapshotError>),
+    /// A body, or a sum over all, is not finite any more.
+    NotFinite,
     /// A snapshot is of another scene: it has no body of this index.
     Foreign(u64),
     /// The file of a sweep cannot be used.
@@ -97,6 +99,10 @@ fn raised(py: Python<'_>, failure: &Failure) -> PyResult<PyErr> {
             }
             other => module.getattr("SweepFileError")?.call1((other.to_string(),))?,
         },
+        Failure::NotFinite => {
+            let text = "the state of a body, or a sum over all bodies, is not finite";
+            module.getattr("TumbleError")?.call1((text,))?
+        }
         Failure::Foreign(body) => {
             let text = format!("the snapshot is of another scene: it has no body of index {body}");
             module.getattr("SnapshotError")?.call1((text,))?

@@ -30,8 +30,17 @@ pub(crate) struct Varied {
 }
 
 impl Varied {
-    pub(crate) fn read(scene: &Scene, vary: &Bound<'_, PyDict>, worlds: usize) -> PyResult<Self> {
+    pub(crate) fn read(
+        scene: &Scene,
+        vary: &Bound<'_, PyDict>,
+        worlds: usize,
+        overrides: &Overrides,
+    ) -> PyResult<Self> {
         let template = scene.template()?;
+        if template.body_names() != scene.names {
+            let problem = format!("{} has changed since the scene was read", scene.scene.origin);
+            return Err(Failure::argument("scene", problem).into());
+        }
         let mut found: Vec<FieldPath> = Vec::new();
         let mut columns = Vec::new();
         for (path, value) in vary {
@@ -39,6 +48,9 @@ impl Varied {
             let name = format!("vary[{path:?}]");
             let field = template.field(&path).map_err(|error| Failure::argument(name.as_str(), error.problem))?;
             template.check(&field).map_err(|error| Failure::argument(name.as_str(), error.problem))?;
+            if overrides.sets(&path) {
+                return Err(Failure::argument(name, "the same is given for all worlds").into());
+            }
             if found.iter().any(|other| other.same_place(&field)) {
                 return Err(Failure::argument(name, "is there twice").into());
             }

@@ -4,6 +4,7 @@ use std::time::{Duration, Instant};
 
 use numpy::PyArray1;
 use pyo3::prelude::*;
+use pyo3::types::IntoPyDict;
 use tumble::math::{PRECISION, Real};
 use tumble::{BodyOrder, Ledger, Trial, simd_name, state_hash};
 use tumble_record::{Drift, Frame, Kept, NotFinite, Replay, ReportPage, Summary, drift_plot, energy_plot};
@@ -41,7 +42,7 @@ struct Recorder {
 }
 
 fn not_finite(_: NotFinite) -> Failure {
-    Failure::argument("steps", "the state of a body, or a sum over all, is not finite")
+    Failure::NotFinite
 }
 
 impl Recorder {
@@ -124,7 +125,11 @@ impl Recorder {
             title: simulation.scene.get().title().to_owned(),
             energies: entries.iter().map(tumble::LedgerEntry::energy).collect(),
             times: self.times,
-            states: array(py, self.numbers, &shape)?.unbind(),
+            states: {
+                let states = array(py, self.numbers, &shape)?;
+                states.call_method("setflags", (), Some(&[("write", false)].into_py_dict(py)?))?;
+                states.unbind()
+            },
             page: String::from_utf8_lossy(&html).into_owned(),
         })
     }
@@ -176,7 +181,7 @@ impl Recording {
         PyArray1::from_slice(py, &self.energies)
     }
 
-    /// Position, orientation, velocity and angular velocity (frames, bodies, 13).
+    /// Position, orientation, velocity and angular velocity (frames, bodies, 13): read-only.
     #[getter]
     fn states(&self, py: Python<'_>) -> Py<PyAny> {
         self.states.clone_ref(py)

@@ -136,6 +136,9 @@ impl Scene {
             let text = to_json.call1((model,))?.extract()?;
             return Self::of(Source::Text { kind: Kind::Json, text, file: "scene".to_owned() });
         }
+        if repair && (bodies.is_some() || seed.is_some()) {
+            return Err(Failure::argument("repair", "does not go with bodies and seed").into());
+        }
         let name = match scene.cast::<PyString>() {
             Ok(name) => name.to_str()?.to_owned(),
             Err(_) => {

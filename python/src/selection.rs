@@ -2,7 +2,7 @@
 
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{PyBool, PyByteArray, PyBytes, PyString};
+use pyo3::types::{PyBool, PyByteArray, PyBytes, PyDict, PyFrozenSet, PySet, PyString};
 
 use crate::error::Failure;
 
@@ -19,13 +19,17 @@ pub(crate) fn select(
         if mask.ndim() != 1 {
             return Err(Failure::argument(field, format!("a mask has one axis, not {}", mask.ndim())).into());
         }
-        return masked(&mask.readonly().as_array().iter().copied().collect::<Vec<_>>(), field, count);
+        let busy = |_| Failure::argument(field, "another call writes to the mask");
+        let mask: Vec<bool> = mask.try_readonly().map_err(busy)?.as_array().iter().copied().collect();
+        return masked(&mask, field, count);
     }
     if value.cast::<PyString>().is_ok() || (!is_boolean(value) && value.extract::<i64>().is_ok()) {
         return Ok(vec![one(value, field, count, names)?]);
     }
     let wrong = || Failure::type_of(field, "a name, a number, several of them, or a mask of booleans is needed");
-    if value.cast::<PyBytes>().is_ok() || value.cast::<PyByteArray>().is_ok() {
+    // A set has no order, in which rows of arrays could be.
+    let is_bytes = value.cast::<PyBytes>().is_ok() || value.cast::<PyByteArray>().is_ok();
+    if is_bytes || is_unordered(value) {
         return Err(wrong().into());
     }
     let items = value.try_iter().map_err(|_| wrong())?.collect::<PyResult<Vec<_>>>()?;
@@ -45,6 +49,10 @@ pub(crate) fn select(
         chosen.push(index);
     }
     Ok(chosen)
+}
+
+fn is_unordered(value: &Bound<'_, PyAny>) -> bool {
+    value.cast::<PySet>().is_ok() || value.cast::<PyFrozenSet>().is_ok() || value.cast::<PyDict>().is_ok()
 }
 
 /// Whether it is a boolean of Python or of NumPy, which would pass for 0 or 1.
@@ -72,5 +80,5 @@ fn one(item: &Bound<'_, PyAny>, field: &str, count: usize, names: Option<&[Strin
     })?;
     let from_start = if index < 0 { index + count as i64 } else { index };
     let found = usize::try_from(from_start).ok().filter(|index| *index < count);
-    found.ok_or_else(|| Failure::argument(field, format!("there is no {index}, of {count}")).into())
+    found.ok_or_else(|| Failure::argument(field, format!("index {index} is out of range for {count}")).into())
 }

@@ -52,6 +52,18 @@ impl Overrides {
         Ok(overrides)
     }
 
+    /// Whether the field at a path of a scene is overridden.
+    pub(crate) fn sets(&self, field: &str) -> bool {
+        match field.split(['.', '[']).next().unwrap_or_default() {
+            "dt" => self.dt.is_some(),
+            "substeps" => self.substeps.is_some(),
+            "contact_substeps" => self.contact_substeps.is_some(),
+            "gravity" => self.gravity.is_some(),
+            "sleep" => self.sleep.is_some(),
+            _ => false,
+        }
+    }
+
     /// The settings of a scene with them.
     pub(crate) fn apply(&self, mut settings: Settings) -> Result<Settings, Failure> {
         if let Some(dt) = self.dt {

@@ -16,7 +16,7 @@ use crate::scene::Scene;
 use crate::settings::{Options, Overrides, count, not_negative, refused};
 use crate::snapshot::Snapshot;
 use crate::state::{Layout, Property, Quantity};
-use crate::threads::{ONE_THREAD, in_bursts, pool};
+use crate::threads::{Burst, ONE_THREAD, in_bursts, pool};
 use crate::worlds::Worlds;
 
 /// One world of a scene, stepped.
@@ -38,6 +38,7 @@ pub(crate) struct Simulation {
     pub(crate) scene: Py<Scene>,
     /// Of all bursts of the last call.
     pub(crate) events: Vec<ContactEvent>,
+    burst: Burst,
 }
 
 impl Simulation {
@@ -50,7 +51,7 @@ impl Simulation {
         events.clear();
         let is_small = self.layout.bodies() <= ONE_THREAD;
         let pool = if is_small { None } else { Some(pool()?) };
-        in_bursts(py, count, |count, _| {
+        in_bursts(py, &mut self.burst, count, |count, _| {
             match &pool {
                 Some(pool) => pool.install(|| trial.step_many(count)),
                 None => trial.step_many(count),
@@ -101,7 +102,7 @@ impl Simulation {
         let layout = Layout::of(&world, &scene.names, &scene.joint_names);
         joints::watch(&mut world, &layout.joints);
         let trial = Trial::new(settings, world).map_err(refused)?;
-        Ok(Self { trial, layout, scene: Py::new(py, scene)?, events: Vec::new() })
+        Ok(Self { trial, layout, scene: Py::new(py, scene)?, events: Vec::new(), burst: Burst::default() })
     }
 
     /// Takes `count` steps. Other threads of Python run meanwhile, and Ctrl-C ends it between two
@@ -281,12 +282,13 @@ impl Simulation {
     #[pyo3(signature = (bodies=None, *, forces=None, torques=None, points=None))]
     fn push(
         &mut self,
+        py: Python<'_>,
         bodies: Option<&Bound<'_, PyAny>>,
         forces: Option<&Bound<'_, PyAny>>,
         torques: Option<&Bound<'_, PyAny>>,
         points: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
-        self.worlds().push(bodies, forces, torques, points)
+        self.worlds().push(py, bodies, forces, torques, points)
     }
 
     /// Sets forces [N] at the centres of mass and torques [N m] that act in all steps until they
@@ -294,12 +296,13 @@ impl Simulation {
     #[pyo3(signature = (bodies=None, *, forces=None, torques=None, frame="world"))]
     fn set_forces(
         &mut self,
+        py: Python<'_>,
         bodies: Option<&Bound<'_, PyAny>>,
         forces: Option<&Bound<'_, PyAny>>,
         torques: Option<&Bound<'_, PyAny>>,
         frame: &str,
     ) -> PyResult<()> {
-        self.worlds().hold(bodies, forces, torques, frame)
+        self.worlds().hold(py, bodies, forces, torques, frame)
     }
 
     /// Where the second body of each joint stands against the first (joints, 6): translation [m],
@@ -338,6 +341,12 @@ impl Simulation {
     #[getter]
     fn drive_velocities<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         self.worlds().read_drives(py, DriveQuantity::Velocities)
+    }
+
+    /// Greatest forces [N] or torques [N m] of the drives (drives,); infinite where there is none.
+    #[getter]
+    fn drive_max_forces<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        self.worlds().read_drives(py, DriveQuantity::MaxForces)
     }
 
     /// Sets targets and greatest forces [N] [N m] of the chosen drives, by `drive_names` or
@@ -409,8 +418,12 @@ impl Simulation {
         max_distance: f64,
     ) -> PyResult<Bound<'py, PyDict>> {
         let max_distance = not_negative("max_distance", max_distance)?;
-        let shape = shape_of(origins, "origins")?;
-        let rows = if shape.len() == 2 { shape.first().copied().unwrap_or(0) } else { 1 };
+        let rows_of = |value, field| -> PyResult<usize> {
+            let shape = shape_of(value, field)?;
+            Ok(if shape.len() == 2 { shape.first().copied().unwrap_or(0) } else { 1 })
+        };
+        let (from, along) = (rows_of(origins, "origins")?, rows_of(directions, "directions")?);
+        let rows = if from == 1 { along } else { from };
         let vectors_of = |value: &Bound<'py, PyAny>, field| -> PyResult<Vec<Vec3>> {
             let numbers = finite(value, field, &[rows, 3])?;
             Ok(numbers.chunks(3).filter_map(|it| <[Real; 3]>::try_from(it).ok()).map(Vec3::from).collect())

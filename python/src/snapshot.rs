@@ -5,13 +5,14 @@ use std::collections::HashSet;
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use tumble::Trial;
+use tumble::{JointLoad, Trial};
 
 use crate::MODULE;
 use crate::error::Failure;
 
-/// The state of a world between two steps: bodies, time and contacts. A simulation that restores it
-/// goes on with the same bits. Made by `Simulation.snapshot()`; it can be pickled, and kept as
+/// The state of a world between two steps: bodies, time and contacts. A simulation of the same scene
+/// that restores it goes on with the same bits, under the same forces and targets of drives: these
+/// are not in it. Made by `Simulation.snapshot()`; it can be pickled, and kept as
 /// `bytes(snapshot)`.
 #[cfg_attr(not(feature = "f64"), pyclass(module = "tumble", frozen))]
 #[cfg_attr(feature = "f64", pyclass(module = "tumble.double", frozen))]
@@ -27,6 +28,8 @@ impl Snapshot {
             return Err(Failure::Foreign(id.0));
         }
         simulation.restore(&self.0, world)?;
+        // They are those of the last step, and none was taken from here.
+        world.query_mut::<&mut JointLoad>().into_iter().for_each(|load| *load = JointLoad::default());
         Ok(())
     }
 }

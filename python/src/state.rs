@@ -5,7 +5,7 @@ use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
 use tumble::{
     BodyId, BodyOrder, ConstantWrench, Inertia, Joint, Mass, Momentum, Pose, PreviousPose, PrincipalAxes, Trial,
-    Velocity, VelocityError, set_velocity,
+    Velocity, VelocityError, set_angular_velocity, set_linear_velocity,
 };
 use tumble_scene::BodyNames;
 
@@ -227,12 +227,13 @@ impl Given {
             return Err(("angular_velocities", "is fixed, and has no velocity but 0".to_owned()));
         }
         let mass = world.get::<&Mass>(body).map_or(0.0, |mass| mass.kilograms());
-        if self.linear.is_some_and(|linear| !(linear * mass).is_finite()) {
-            return Err(("linear_velocities", "would have a momentum that is not finite".to_owned()));
+        let (linear, angular) = self.velocities(world, body);
+        if linear.is_some_and(|linear| speed(linear).is_err() || !(linear * mass).is_finite()) {
+            return Err(("linear_velocities", "would be beyond 1e9 m/s, or have no finite momentum".to_owned()));
         }
         let moment = world.get::<&Inertia>(body).map_or(0.0, |inertia| inertia.moments().max_element());
-        if self.angular.is_some_and(|angular| !(angular.length() * moment).is_finite()) {
-            return Err(("angular_velocities", "would have an angular momentum that is not finite".to_owned()));
+        if angular.is_some_and(|angular| speed(angular).is_err() || !(angular.length() * moment).is_finite()) {
+            return Err(("angular_velocities", "would be beyond 1e9 rad/s, or have no finite momentum".to_owned()));
         }
         if !turns && is_some(self.angular) {
             return Err(("angular_velocities", "is a point mass, which does not turn".to_owned()));
@@ -240,9 +241,16 @@ impl Given {
         Ok(())
     }
 
+    /// The velocities to be set: a body that is turned keeps those that it has.
+    fn velocities(&self, world: &World, body: Entity) -> (Option<Vec3>, Option<Vec3>) {
+        let before = world.get::<&Velocity>(body).map(|velocity| *velocity).ok();
+        let kept = before.filter(|_| self.orientation.is_some());
+        (self.linear, self.angular.or(kept.map(|velocity| velocity.angular)))
+    }
+
     /// Gives it to the body. A body that is turned keeps its velocities.
     pub(crate) fn give(&self, world: &mut World, body: Entity) -> Result<(), VelocityError> {
-        let before = world.get::<&Velocity>(body).map(|velocity| *velocity).ok();
+        let (linear, angular) = self.velocities(world, body);
         if let Ok(mut pose) = world.get::<&mut Pose>(body) {
             pose.position = self.position.unwrap_or(pose.position);
             pose.orientation = self.orientation.unwrap_or(pose.orientation);
@@ -253,14 +261,11 @@ impl Given {
         {
             previous.0 = *pose;
         }
-        let Some(before) = before else { return Ok(()) };
-        if self.linear.is_none() && self.angular.is_none() && self.orientation.is_none() {
+        if !world.satisfies::<&Velocity>(body) {
             return Ok(());
         }
-        let is_moving = world.satisfies::<&Mass>(body) || world.satisfies::<&Velocity>(body);
-        let linear = self.linear.unwrap_or(before.linear);
-        let angular = self.angular.unwrap_or(before.angular);
-        if is_moving { set_velocity(world, body, Velocity { linear, angular }) } else { Ok(()) }
+        linear.map_or(Ok(()), |linear| set_linear_velocity(world, body, linear))?;
+        angular.map_or(Ok(()), |angular| set_angular_velocity(world, body, angular))
     }
 }
 

@@ -169,9 +169,9 @@ impl SweepWriter {
         let text = str::from_utf8(lines).ok().filter(|text| text.lines().count() as u64 == worlds);
         let text = text.ok_or_else(|| Failure::argument("lines", format!("{worlds} whole lines are needed")))?;
         let row = Row { text: text.to_owned(), outcome: RunStatus::Ok, series: String::new() };
-        if let Some(file) = &mut self.file {
-            py.detach(|| file.append(&row)).map_err(Failure::from)?;
-        }
+        let closed = || Failure::argument("lines", "the file is closed");
+        let file = self.file.as_mut().ok_or_else(closed)?;
+        py.detach(|| file.append(&row)).map_err(Failure::from)?;
         self.next += worlds;
         Ok(())
     }

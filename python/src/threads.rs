@@ -21,26 +21,41 @@ static POOL: Mutex<Pool> = Mutex::new(Pool { process: 0, wanted: 0, pool: None }
 /// Bodies of a world up to which a step stays on the calling thread.
 pub(crate) const ONE_THREAD: usize = 512;
 
-/// Calls `work` in the pool; no other thread of Python runs meanwhile, as it uses its arrays.
-pub(crate) fn in_pool_attached<R: Send>(work: impl FnOnce() -> R + Send) -> PyResult<R> {
-    Ok(pool()?.install(work))
+/// Calls `work` in the pool, while other threads of Python run.
+pub(crate) fn in_pool<R: Send>(py: Python<'_>, work: impl FnOnce() -> R + Send) -> PyResult<R> {
+    let pool = pool()?;
+    Ok(py.detach(|| pool.install(work)))
 }
 
 /// How long a burst of steps is to take: after each a Ctrl-C is noticed.
 const BURST: Duration = Duration::from_millis(50);
 
+/// How many steps a burst has: found while stepping.
+pub(crate) struct Burst(u32);
+
+impl Default for Burst {
+    fn default() -> Self {
+        Self(1)
+    }
+}
+
 /// Takes `count` steps in bursts, while other threads of Python run; `step` gets whether it is the
 /// last.
-pub(crate) fn in_bursts(py: Python<'_>, count: u32, mut step: impl FnMut(u32, bool) + Send) -> PyResult<()> {
-    let (mut left, mut burst) = (count, 16);
+pub(crate) fn in_bursts(
+    py: Python<'_>,
+    burst: &mut Burst,
+    count: u32,
+    mut step: impl FnMut(u32, bool) + Send,
+) -> PyResult<()> {
+    let (mut left, Burst(burst)) = (count, burst);
     while left > 0 {
-        let (now, begun) = (burst.min(left), Instant::now());
+        let (now, begun) = ((*burst).min(left), Instant::now());
         left -= now;
         py.detach(|| step(now, left == 0));
         if begun.elapsed() < BURST / 2 {
-            burst = burst.saturating_mul(2);
+            *burst = burst.saturating_mul(2);
         } else if begun.elapsed() > BURST {
-            burst = (burst / 2).max(1);
+            *burst = (*burst / 2).max(1);
         }
         py.check_signals()?;
     }

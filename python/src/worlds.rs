@@ -12,7 +12,7 @@ use crate::error::Failure;
 use crate::joints::{self, DriveQuantity, JointQuantity};
 use crate::selection::select;
 use crate::state::{self, Given, Layout, Property, Quantity};
-use crate::threads::in_pool_attached;
+use crate::threads::in_pool;
 
 /// Worlds of one layout. Arrays have the axes `axes` before those of bodies and numbers.
 pub(crate) struct Worlds<'a> {
@@ -47,7 +47,7 @@ impl Worlds<'_> {
                 one(trial, to);
                 Ok(())
             }
-            more => in_pool_attached(|| {
+            more => in_pool(py, || {
                 let parts = more.par_iter_mut().zip(to.par_chunks_mut(numbers)).with_min_len(8);
                 parts.for_each(|(trial, to)| one(trial, to));
             }),
@@ -150,6 +150,7 @@ impl Worlds<'_> {
     /// Calls `act` with each world, each chosen body and its load.
     fn apply(
         self,
+        py: Python<'_>,
         bodies: &[usize],
         loads: &[Load],
         act: impl Fn(&mut Trial, hecs::Entity, Load) + Sync,
@@ -168,7 +169,7 @@ impl Worlds<'_> {
                 one(trial, loads);
                 Ok(())
             }
-            more => in_pool_attached(|| {
+            more => in_pool(py, || {
                 let loads = loads.par_chunks(bodies.len());
                 more.par_iter_mut().zip(loads).with_min_len(8).for_each(|(trial, loads)| one(trial, loads));
             }),
@@ -178,6 +179,7 @@ impl Worlds<'_> {
     /// Forces of the next step.
     pub(crate) fn push(
         self,
+        py: Python<'_>,
         bodies: Argument<'_, '_>,
         forces: Argument<'_, '_>,
         torques: Argument<'_, '_>,
@@ -185,12 +187,13 @@ impl Worlds<'_> {
     ) -> PyResult<()> {
         let bodies = select(bodies, "bodies", self.layout.bodies(), Some(&self.layout.names))?;
         let loads = self.loads(&bodies, forces, torques, points)?;
-        self.apply(&bodies, &loads, |trial, body, load| load.push(&mut trial.world, body))
+        self.apply(py, &bodies, &loads, |trial, body, load| load.push(&mut trial.world, body))
     }
 
     /// Forces of all steps from now on.
     pub(crate) fn hold(
         self,
+        py: Python<'_>,
         bodies: Argument<'_, '_>,
         forces: Argument<'_, '_>,
         torques: Argument<'_, '_>,
@@ -213,12 +216,12 @@ impl Worlds<'_> {
                 let entity = self.layout.entities.get(body);
                 if entity.is_some_and(|&entity| load.turns_held(&trial.world, entity, frame)) {
                     let name = self.layout.names.get(body).map_or("", String::as_str);
-                    let problem = format!("what {name:?} keeps acts in the other frame: set forces and torques both");
+                    let problem = format!("the force of {name:?} is in the other frame: set forces and torques both");
                     return Err(Failure::argument("frame", problem).into());
                 }
             }
         }
-        self.apply(&bodies, &loads, |trial, body, load| load.hold(&mut trial.world, body, frame))
+        self.apply(py, &bodies, &loads, |trial, body, load| load.hold(&mut trial.world, body, frame))
     }
 
     /// Targets of the chosen drives, all or nothing.

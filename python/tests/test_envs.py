@@ -306,3 +306,25 @@ def test_the_example_learns_to_balance(monkeypatch: pytest.MonkeyPatch) -> None:
     import cartpole
 
     assert cartpole.main(seed=1, worlds=256) >= 475
+
+
+def test_a_start_does_not_depend_on_which_worlds_were_reset_before() -> None:
+    def start_of_the_second(before: list[bool] | None) -> np.ndarray[Any, Any]:
+        env = CartPole(2, autoreset_mode="Disabled")
+        env.reset(seed=1)
+        if before:
+            env.reset(options={"reset_mask": np.array(before)})
+        return env.reset(options={"reset_mask": np.array([False, True])})[0][1]
+
+    assert np.array_equal(start_of_the_second(None), start_of_the_second([True, False]))
+    assert not np.array_equal(start_of_the_second(None), start_of_the_second([False, True]))
+
+
+def test_a_reset_that_is_refused_changes_nothing() -> None:
+    env, other = CartPole(3), CartPole(3)
+    for one in (env, other):
+        one.reset(seed=4)
+    for options in ({"low": -1e20, "high": -1e20}, {"vary": {"nothing": [1, 2, 3]}}):
+        with pytest.raises(tumble.ArgumentError):
+            env.reset(options=options)
+    assert np.array_equal(env.reset()[0], other.reset()[0])

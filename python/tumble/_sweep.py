@@ -11,7 +11,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, Union
 
-from ._errors import ArgumentError, ArgumentTypeError, SceneError
+from ._errors import ArgumentError, ArgumentTypeError, SceneError, TumbleError
 
 #: What the values of a field are drawn from: a text as of `tumble sweep`, the two ends of a uniform
 #: distribution, or a list of values.
@@ -69,7 +69,7 @@ class Sweep:
         self._core = import_module(module).SweepCore(**arguments)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (Sweep, (self._module, self._arguments))
+        return (Sweep, (self._module, self._elsewhere()))
 
     def __len__(self) -> int:
         return self.worlds
@@ -129,33 +129,46 @@ class Sweep:
         """
         ray = _ray()
         path = Path(out)
-        if not ray.is_initialized():
-            ray.init(log_to_driver=False)
-        cores = max(1, int(ray.cluster_resources().get("CPU", 1)))
-        size = max(1, min(2000, -(-self.worlds // (cores * 8)))) if block is None else _count(block, "block")
+        size = None if block is None else _count(block, "block")
         if size == 0:
             raise ArgumentError("block: 1 world at least is needed", "block")
-        task = ray.remote(num_cpus=1, max_retries=retries)(_rows)
+        if not ray.is_initialized():
+            ray.init(log_to_driver=False)
+        cores = int(ray.cluster_resources().get("CPU", 0))
+        if cores == 0:
+            raise TumbleError("the Ray cluster has no CPU: ray.init(num_cpus=..) gives it some")
+        size = size or max(1, min(2000, -(-self.worlds // (cores * 8))))
+        task = ray.remote(num_cpus=1, max_retries=_count(retries, "retries"))(_rows)
         shown = _Shown(self.worlds, progress, path)
         # Made here once for all tasks.
-        sweep = ray.put((self._module, self._arguments, self._core.identity))
-        with self._writer(path) as writer:
-            blocks = _blocks(writer.next_world, self.worlds, size)
-            running: dict[Any, int] = {}
-            finished: dict[int, tuple[bytes, int]] = {}
-            while writer.next_world < self.worlds:
-                # What waits for a slow block before it is in memory, so it is limited.
-                while len(running) + len(finished) < 4 * cores and (part := next(blocks, None)):
-                    running[task.remote(sweep, *part)] = part[0]
-                done, _ = ray.wait(list(running), num_returns=1)
-                for reference in done:
-                    begin = running.pop(reference)
-                    finished[begin] = ray.get(reference)
-                while (lines := finished.pop(writer.next_world, None)) is not None:
-                    writer.append(*lines)
-                    shown.at(writer.next_world)
-        shown.end()
+        sweep = ray.put((self._module, self._elsewhere(), self._core.identity))
+        running: dict[Any, int] = {}
+        try:
+            with self._writer(path) as writer:
+                blocks = _blocks(writer.next_world, self.worlds, size)
+                finished: dict[int, tuple[bytes, int]] = {}
+                while writer.next_world < self.worlds:
+                    # What waits for a slow block before it is in memory, so it is limited.
+                    while len(running) + len(finished) < 4 * cores and (part := next(blocks, None)):
+                        running[task.remote(sweep, *part)] = part[0]
+                    done, _ = ray.wait(list(running), num_returns=1)
+                    for reference in done:
+                        finished[running.pop(reference)] = ray.get(reference)
+                    while (lines := finished.pop(writer.next_world, None)) is not None:
+                        writer.append(*lines)
+                        shown.at(writer.next_world)
+        finally:
+            # After an error or Ctrl-C nobody wants the rest.
+            for reference in running:
+                ray.cancel(reference, force=True)
+            shown.end()
         return path
+
+    def _elsewhere(self) -> dict[str, Any]:
+        """The arguments with a path that does not depend on the directory of a process."""
+        scene = self._arguments["scene"]
+        is_path = os.path.dirname(scene) or os.path.splitext(scene)[1]
+        return {**self._arguments, "scene": os.path.abspath(scene) if is_path else scene}
 
     @contextmanager
     def _writer(self, path: Path) -> Iterator[Any]:
@@ -205,6 +218,8 @@ def sweep(
         scene = scene if os.path.dirname(scene) else os.path.join(".", scene)
     if not isinstance(scene, str):
         raise ArgumentTypeError("scene: the name of a built-in scene or a path is needed", "scene")
+    if not isinstance(vary, Mapping):
+        raise ArgumentTypeError("vary: fields by their paths are needed, each with its values", "vary")
     fields = [f"{field}={_distribution(values, f'vary[{field!r}]')}" for field, values in vary.items()]
     return Sweep(
         modules[precision],
@@ -243,7 +258,7 @@ def _rows(sweep: tuple[str, dict[str, Any], str], start: int, stop: int) -> tupl
         made = Sweep(module, arguments)
         if made._core.identity != identity:
             scene = arguments["scene"]
-            raise SceneError(f"{scene}: is another file on this worker than where the sweep began", scene)
+            raise SceneError(f"{scene}: another file or version of tumble than where the sweep began", scene)
         _made.clear()
         _made[identity] = made
     return made.rows(start, stop), stop - start

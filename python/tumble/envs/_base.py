@@ -157,9 +157,16 @@ class BatchEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
         mask = self._checked_mask(options.get("reset_mask"))
         self._configure(options)
         super().reset(seed=seed)
-        self._keys[mask] = self.np_random.integers(0, 2**64, dtype=np.uint64)
-        self._episodes[mask] = 0
-        self._restart(mask, options.get("vary"))
+        kept = self._keys.copy(), self._episodes.copy()
+        # Without a seed a world goes on with its own starts, whatever the others do.
+        if seed is not None or not self._was_reset:
+            self._keys[mask] = self.np_random.integers(0, 2**64, dtype=np.uint64)
+            self._episodes[mask] = 0
+        try:
+            self._restart(mask, options.get("vary"))
+        except ArgumentError:
+            self._keys, self._episodes = kept
+            raise
         batch.read_states(self._states)
         self._look()
         self._begin(mask)
@@ -208,6 +215,10 @@ class BatchEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
     def close_extras(self, **kwargs: Any) -> None:
         """Frees the worlds; every further step is an error."""
         self._batch = None
+
+    def forget_starts(self) -> None:
+        """Lets the next `reset` draw its starts from `np_random`, as one with a seed does."""
+        self._was_reset = False
 
     # The course of episodes.
 

@@ -38,6 +38,8 @@ class Single(gymnasium.Env[NDArray[np.float32], Any]):
         """Begins an episode; see `BatchEnv.reset`, of whose options there is no `reset_mask`."""
         super().reset(seed=seed)
         self.vector.np_random = self.np_random
+        if seed is not None:
+            self.vector.forget_starts()
         observations, infos = self.vector.reset(options=options)
         return observations[0].copy(), _of_one(infos)
 

@@ -16,6 +16,8 @@ from ._picture import Part, View
 
 _FORCE = 10.0
 _HALF_LENGTH = 0.5
+#: Largest size of a number of a start [m, m/s, rad, rad/s].
+_MAX_START = 100.0
 _MAX_X = 2.4
 _MAX_THETA = np.radians(12.0)
 _CART, _POLE = 1, 2
@@ -111,8 +113,9 @@ class CartPole(BatchEnv):
             low, high = (float(bound) for bound in given)
         except (TypeError, ValueError):
             raise ArgumentError(f"options: {given} are not numbers", "options") from None
-        if not low <= high:
-            raise ArgumentError(f"options: low {low} is above high {high}", "options")
+        if not -_MAX_START <= low <= high <= _MAX_START:
+            problem = f"options: low {low} and high {high} are not ordered within {_MAX_START}"
+            raise ArgumentError(problem, "options")
         self._range = (low, high)
 
     def _place(self, worlds: NDArray[np.intp]) -> None:
