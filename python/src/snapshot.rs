@@ -10,9 +10,9 @@ use tumble::{JointLoad, Trial};
 use crate::MODULE;
 use crate::error::Failure;
 
-/// The state of a world between two steps: bodies, time and contacts. A simulation of the same scene
-/// that restores it goes on with the same bits, under the same forces and targets of drives: these
-/// are not in it. Made by `Simulation.snapshot()`; it can be pickled, and kept as
+/// The state of a world between two steps: bodies, time and contacts. A simulation of the same
+/// scene that restores it goes on with the same bits, under the same forces and targets of drives,
+/// which are not in it. Made by `Simulation.snapshot()`; it can be pickled, and kept as
 /// `bytes(snapshot)`.
 #[cfg_attr(not(feature = "f64"), pyclass(module = "tumble", frozen))]
 #[cfg_attr(feature = "f64", pyclass(module = "tumble.double", frozen))]
