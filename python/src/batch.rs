@@ -10,6 +10,7 @@ use tumble::{BodyOrder, Totals, Trial};
 
 use crate::MODULE;
 use crate::arrays::filled;
+use crate::body_arrays::body_arrays;
 use crate::error::Failure;
 use crate::joints::{DriveQuantity, JointQuantity};
 use crate::maker::{Maker, Varied};
@@ -41,6 +42,10 @@ pub(crate) struct Batch {
 }
 
 impl Batch {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
     fn worlds(&mut self) -> Worlds<'_> {
         let worlds = self.batch.len();
         Worlds { layout: &self.layout, trials: self.batch.trials_mut().iter_mut().collect(), axes: vec![worlds] }
@@ -54,14 +59,6 @@ impl Batch {
         let trials = self.batch.trials_mut().iter_mut().enumerate();
         let trials = trials.filter(|(index, _)| next.next_if_eq(index).is_some()).map(|(_, trial)| trial).collect();
         Ok(Worlds { layout: &self.layout, trials, axes: vec![chosen.len()] })
-    }
-
-    fn state<'py>(&mut self, py: Python<'py>, quantity: Quantity) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_state(py, quantity, None)
-    }
-
-    fn set_one(&mut self, quantity: Quantity, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.worlds().set_state(None, &[(quantity, Some(value))])
     }
 
     fn trial_mut(&mut self, world: i64) -> PyResult<&mut Trial> {
@@ -80,6 +77,8 @@ fn increasing(chosen: Vec<usize>) -> PyResult<Vec<usize>> {
         Err(Failure::argument("worlds", "increasing indices are needed, or a mask").into())
     }
 }
+
+body_arrays!(Batch);
 
 #[pymethods]
 impl Batch {
@@ -198,108 +197,6 @@ impl Batch {
         PyArray1::from_iter(py, self.batch.trials().iter().map(|trial| trial.simulation.time()))
     }
 
-    /// Names of the bodies, in the order of the rows of arrays.
-    #[getter]
-    fn body_names(&self) -> Vec<String> {
-        self.layout.names.clone()
-    }
-
-    /// Names of the joints, in the order of the rows of their arrays.
-    #[getter]
-    fn joint_names(&self) -> Vec<String> {
-        self.layout.joint_names.clone()
-    }
-
-    /// Names of the drives, `JOINT.drives.INDEX`.
-    #[getter]
-    fn drive_names(&self) -> Vec<String> {
-        self.layout.drive_names()
-    }
-
-    /// As `Simulation.masses`: (worlds, bodies).
-    #[getter]
-    fn masses<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_property(py, Property::Masses)
-    }
-
-    /// As `Simulation.inertias`: (worlds, bodies, 3).
-    #[getter]
-    fn inertias<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_property(py, Property::Inertias)
-    }
-
-    /// As `Simulation.principal_axes`: (worlds, bodies, 4).
-    #[getter]
-    fn principal_axes<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_property(py, Property::PrincipalAxes)
-    }
-
-    /// As `Simulation.asleep`: (worlds, bodies).
-    #[getter]
-    fn asleep<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_asleep(py)
-    }
-
-    /// Centres of mass (worlds, bodies, 3) [m].
-    #[getter]
-    fn positions<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.state(py, Quantity::Positions)
-    }
-
-    #[setter]
-    fn set_positions(&mut self, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.set_one(Quantity::Positions, value)
-    }
-
-    /// Quaternions x, y, z, w (worlds, bodies, 4), from body coordinates to world coordinates.
-    #[getter]
-    fn orientations<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.state(py, Quantity::Orientations)
-    }
-
-    #[setter]
-    fn set_orientations(&mut self, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.set_one(Quantity::Orientations, value)
-    }
-
-    /// Velocities of the centres of mass (worlds, bodies, 3) [m/s].
-    #[getter]
-    fn linear_velocities<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.state(py, Quantity::LinearVelocities)
-    }
-
-    #[setter]
-    fn set_linear_velocities(&mut self, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.set_one(Quantity::LinearVelocities, value)
-    }
-
-    /// Angular velocities (worlds, bodies, 3) [rad/s], world frame.
-    #[getter]
-    fn angular_velocities<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.state(py, Quantity::AngularVelocities)
-    }
-
-    #[setter]
-    fn set_angular_velocities(&mut self, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.set_one(Quantity::AngularVelocities, value)
-    }
-
-    /// Position, orientation, velocity and angular velocity of each body (worlds, bodies, 13).
-    #[getter]
-    fn states<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.state(py, Quantity::States)
-    }
-
-    #[setter]
-    fn set_states(&mut self, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.set_one(Quantity::States, value)
-    }
-
-    /// Writes `states` into an array that is there, and returns it: nothing is allocated.
-    fn read_states<'py>(&mut self, py: Python<'py>, out: Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_state(py, Quantity::States, Some(out))
-    }
-
     /// As `Simulation.set_state`, in the chosen worlds: arrays are (chosen worlds, chosen bodies, 3
     /// or 4).
     #[pyo3(signature = (bodies=None, *, worlds=None, positions=None, orientations=None, linear_velocities=None, angular_velocities=None))]
@@ -343,48 +240,6 @@ impl Batch {
         frame: &str,
     ) -> PyResult<()> {
         self.chosen(worlds)?.hold(py, bodies, forces, torques, frame)
-    }
-
-    /// As `Simulation.joint_values`: (worlds, joints, 6).
-    #[getter]
-    fn joint_values<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_joints(py, JointQuantity::Values)
-    }
-
-    /// As `Simulation.joint_speeds`: (worlds, joints, 6).
-    #[getter]
-    fn joint_speeds<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_joints(py, JointQuantity::Speeds)
-    }
-
-    /// As `Simulation.joint_forces`: (worlds, joints, 3).
-    #[getter]
-    fn joint_forces<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_joints(py, JointQuantity::Forces)
-    }
-
-    /// As `Simulation.joint_torques`: (worlds, joints, 3).
-    #[getter]
-    fn joint_torques<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_joints(py, JointQuantity::Torques)
-    }
-
-    /// As `Simulation.drive_positions`: (worlds, drives).
-    #[getter]
-    fn drive_positions<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_drives(py, DriveQuantity::Positions)
-    }
-
-    /// As `Simulation.drive_velocities`: (worlds, drives).
-    #[getter]
-    fn drive_velocities<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_drives(py, DriveQuantity::Velocities)
-    }
-
-    /// As `Simulation.drive_max_forces`: (worlds, drives).
-    #[getter]
-    fn drive_max_forces<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_drives(py, DriveQuantity::MaxForces)
     }
 
     /// As `Simulation.set_drives`, in the chosen worlds: (chosen worlds, chosen drives) each.

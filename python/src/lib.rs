@@ -11,6 +11,7 @@
 mod actions;
 mod arrays;
 mod batch;
+mod body_arrays;
 mod error;
 mod joints;
 mod maker;

@@ -9,6 +9,7 @@ use tumble::{BodyOrder, ContactEvent, QueryFilter, Ray, Totals, Trial};
 
 use crate::MODULE;
 use crate::arrays::{array, finite, real, shape_of};
+use crate::body_arrays::body_arrays;
 use crate::error::Failure;
 use crate::joints::{self, DriveQuantity, JointQuantity};
 use crate::recording::Recording;
@@ -42,6 +43,10 @@ pub(crate) struct Simulation {
 }
 
 impl Simulation {
+    fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
     fn worlds(&mut self) -> Worlds<'_> {
         Worlds { layout: &self.layout, trials: vec![&mut self.trial], axes: Vec::new() }
     }
@@ -64,20 +69,14 @@ impl Simulation {
         let found = self.layout.entities.iter().position(|body| *body == entity);
         found.and_then(|index| i64::try_from(index).ok()).unwrap_or(-1)
     }
-
-    fn state<'py>(&mut self, py: Python<'py>, quantity: Quantity) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_state(py, quantity, None)
-    }
-
-    fn set_one(&mut self, quantity: Quantity, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.worlds().set_state(None, &[(quantity, Some(value))])
-    }
 }
 
 /// A vector of each row, as an array.
 fn vectors<'py>(py: Python<'py>, rows: &[Vec3]) -> PyResult<Bound<'py, PyAny>> {
     array(py, rows.iter().flat_map(Vec3::to_array).collect(), &[rows.len(), 3])
 }
+
+body_arrays!(Simulation);
 
 #[pymethods]
 impl Simulation {
@@ -156,110 +155,6 @@ impl Simulation {
         f64::from(self.trial.simulation.settings().dt)
     }
 
-    /// Names of the bodies, in the order of the rows of arrays.
-    #[getter]
-    fn body_names(&self) -> Vec<String> {
-        self.layout.names.clone()
-    }
-
-    /// Names of the joints, in the order of the rows of their arrays.
-    #[getter]
-    fn joint_names(&self) -> Vec<String> {
-        self.layout.joint_names.clone()
-    }
-
-    /// Names of the drives, `JOINT.drives.INDEX`.
-    #[getter]
-    fn drive_names(&self) -> Vec<String> {
-        self.layout.drive_names()
-    }
-
-    /// Masses (bodies,) [kg]; infinite where no force moves the body.
-    #[getter]
-    fn masses<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_property(py, Property::Masses)
-    }
-
-    /// Principal moments of inertia about the centres of mass (bodies, 3) [kg m^2]; infinite where
-    /// no force moves the body, 0 for a point mass.
-    #[getter]
-    fn inertias<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_property(py, Property::Inertias)
-    }
-
-    /// Principal axes (bodies, 4): quaternions x, y, z, w from the principal frame to the body's.
-    #[getter]
-    fn principal_axes<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_property(py, Property::PrincipalAxes)
-    }
-
-    /// Which bodies sleep (bodies,); none does unless the settings have `sleep`.
-    #[getter]
-    fn asleep<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_asleep(py)
-    }
-
-    /// Centres of mass (bodies, 3) [m].
-    #[getter]
-    fn positions<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.state(py, Quantity::Positions)
-    }
-
-    #[setter]
-    fn set_positions(&mut self, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.set_one(Quantity::Positions, value)
-    }
-
-    /// Quaternions x, y, z, w (bodies, 4), from body coordinates to world coordinates.
-    #[getter]
-    fn orientations<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.state(py, Quantity::Orientations)
-    }
-
-    #[setter]
-    fn set_orientations(&mut self, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.set_one(Quantity::Orientations, value)
-    }
-
-    /// Velocities of the centres of mass (bodies, 3) [m/s].
-    #[getter]
-    fn linear_velocities<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.state(py, Quantity::LinearVelocities)
-    }
-
-    #[setter]
-    fn set_linear_velocities(&mut self, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.set_one(Quantity::LinearVelocities, value)
-    }
-
-    /// Angular velocities (bodies, 3) [rad/s], world frame.
-    #[getter]
-    fn angular_velocities<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.state(py, Quantity::AngularVelocities)
-    }
-
-    #[setter]
-    fn set_angular_velocities(&mut self, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.set_one(Quantity::AngularVelocities, value)
-    }
-
-    /// Position, orientation, velocity and angular velocity of each body (bodies, 13). To set what
-    /// was read changes bits, for the state is momentum: a snapshot goes back exactly.
-    #[getter]
-    fn states<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.state(py, Quantity::States)
-    }
-
-    #[setter]
-    fn set_states(&mut self, value: &Bound<'_, PyAny>) -> PyResult<()> {
-        self.set_one(Quantity::States, value)
-    }
-
-    /// Writes `states` into an array that is there, and returns it: nothing is allocated.
-    fn read_states<'py>(&mut self, py: Python<'py>, out: Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_state(py, Quantity::States, Some(out))
-    }
-
     /// Gives the chosen bodies, by names or indices, what stands there: all of it, or nothing if
     /// something is impossible. Arrays have a row for each body that is chosen. What is left out
     /// stays, the velocities of a body that is turned too.
@@ -303,50 +198,6 @@ impl Simulation {
         frame: &str,
     ) -> PyResult<()> {
         self.worlds().hold(py, bodies, forces, torques, frame)
-    }
-
-    /// Where the second body of each joint stands against the first (joints, 6): translation [m],
-    /// then rotation vector [rad], along the axes of the joint, as of the last step.
-    #[getter]
-    fn joint_values<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_joints(py, JointQuantity::Values)
-    }
-
-    /// How fast it moves there (joints, 6) [m/s] [rad/s], as of the last step.
-    #[getter]
-    fn joint_speeds<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_joints(py, JointQuantity::Speeds)
-    }
-
-    /// Forces of the joints on their second bodies (joints, 3) [N], world frame, in the last step.
-    #[getter]
-    fn joint_forces<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_joints(py, JointQuantity::Forces)
-    }
-
-    /// Torques of the joints on their second bodies (joints, 3) [N m], world frame, in the last
-    /// step.
-    #[getter]
-    fn joint_torques<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_joints(py, JointQuantity::Torques)
-    }
-
-    /// Where the drives of the joints go (drives,) [m] [rad]; nan where only a velocity is kept.
-    #[getter]
-    fn drive_positions<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_drives(py, DriveQuantity::Positions)
-    }
-
-    /// How fast the drives are to go (drives,) [m/s] [rad/s].
-    #[getter]
-    fn drive_velocities<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_drives(py, DriveQuantity::Velocities)
-    }
-
-    /// Greatest forces [N] or torques [N m] of the drives (drives,); infinite where there is none.
-    #[getter]
-    fn drive_max_forces<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        self.worlds().read_drives(py, DriveQuantity::MaxForces)
     }
 
     /// Sets targets and greatest forces [N] [N m] of the chosen drives, by `drive_names` or

@@ -1,6 +1,6 @@
-"""The notebooks: their physics is asserted in their cells, so each is run, and what is stored in them is looked at.
+"""The notebooks: their physics is asserted in their cells, so each is run, and what is stored in them is checked.
 
-`python tests/test_notebooks.py [NAME]...` runs them and stores their outputs anew.
+`python tests/test_notebooks.py [NAME]...` runs them and stores their outputs again.
 """
 
 from __future__ import annotations

@@ -48,7 +48,7 @@ def rotated(quaternion: ArrayLike, vector: NDArray[np.float64]) -> NDArray[np.fl
 
 
 def close(found: ArrayLike, wanted: ArrayLike, eps: float, steps: int = STEPS) -> bool:
-    """Whether vectors agree within the rounding of so many steps, by the size of what is wanted."""
+    """Whether vectors agree within the rounding of a number of steps, by the size of what is wanted."""
     difference = np.abs(np.asarray(found, np.float64) - np.asarray(wanted))
     return bool(np.max(difference) <= 8 * steps * eps * np.max(np.abs(wanted)))
 

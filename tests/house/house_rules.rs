@@ -369,7 +369,7 @@ fn comments_are_narrow_and_files_have_a_head() {
 
 #[test]
 fn names_and_words_are_those_of_the_field() {
-    for path in files(&["rs", "md"]) {
+    for path in files(&["rs", "md", "py"]) {
         let (text, place) = (std::fs::read_to_string(&path).unwrap(), from_root(&path));
         if place.ends_with("house_rules.rs") {
             continue;

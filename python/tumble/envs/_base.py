@@ -35,7 +35,7 @@ class BatchEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
     `vary` has fields of the scene by their paths, each with a number for every world, as for
     `tumble.Batch`: `{"bodies.cart.mass": masses}`. `max_episode_steps` truncates episodes; `None`
     does not. `autoreset_mode` is one of Gymnasium's: with `NEXT_STEP` an environment that has
-    ended begins anew in the next step, which ignores its action and has reward 0; with
+    ended begins again in the next step, which ignores its action and has reward 0; with
     `SAME_STEP` at once, with the last observation in `infos["final_obs"]`; with `DISABLED` only
     by `reset(options={"reset_mask": mask})`. Without `copy` a step returns the same array of
     observations each time.
@@ -146,7 +146,7 @@ class BatchEnv(VectorEnv[Observations, NDArray[Any], NDArray[Any]]):
     ) -> tuple[Observations, dict[str, Any]]:
         """Begins episodes: observations (num_envs, n) and infos.
 
-        `options` may have `reset_mask`, booleans (num_envs,) of the worlds to begin anew, all
+        `options` may have `reset_mask`, booleans (num_envs,) of the worlds to begin again, all
         unless given, and `vary`, with numbers for each of these worlds in place of those that the
         environment was made with. Raises `tumble.ArgumentError` for others.
         """
