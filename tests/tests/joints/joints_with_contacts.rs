@@ -301,6 +301,6 @@ fn contacts_of_loaded_links_do_no_work_that_joints_do() {
     }
     println!("contacts did {least} to {most} J of {start} J, unbooked are {unbooked:e} J");
     assert!(unbooked < by_precision(1e-3, 1e-6), "{unbooked:e}");
-    // What a pass of contacts pushes against what one of joints did is booked to neither whole.
-    assert!(most < 1e-3 * start && least > -1e-3 * start, "{least} {most}");
+    // A contact adds nothing. What it stops has the inertia that its load asks for.
+    assert!(most < 1e-4 * start && least > -1e-2 * start, "{least} {most}");
 }

@@ -1,5 +1,6 @@
 //! Joints and mechanisms.
 
+mod direct_contacts;
 mod joint_chains;
 mod joint_closed_forms;
 mod joint_drawing;

@@ -166,6 +166,19 @@ impl ContactWorks {
         }
     }
 
+    /// Whether there are any accounts.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.bodies.is_empty()
+    }
+
+    /// Books work that counts as the joints' to the contacts of a body \[J\].
+    pub(crate) fn leave_to_contacts(&mut self, row: SolverRow, work: f64) {
+        for body in self.bodies.iter_mut().filter(|body| body.row == row.index()) {
+            body.joints -= work;
+            body.pushed = true;
+        }
+    }
+
     /// Leaves the account of a body to its joints, but for what damping did \[J\].
     pub(crate) fn leave_to_joints(&mut self, row: SolverRow, damping: f64) {
         for body in self.bodies.iter_mut().filter(|body| body.row == row.index()) {

@@ -4,6 +4,7 @@ pub(crate) mod body_rows;
 pub(crate) mod constrained_bodies;
 pub(crate) mod contact;
 pub(crate) mod contact_work;
+pub(crate) mod direct;
 pub(crate) mod gather_scatter;
 pub(crate) mod graph_coloring;
 pub(crate) mod halved_substeps;

@@ -227,6 +227,11 @@ impl SolverBodies {
             .for_each(|(motion, warm_start)| dispatch_in_blocks(&mut ApplyWarmStart { motion, warm_start }));
     }
 
+    /// Forgets the impulses of the warm start.
+    pub(crate) fn clear_warm_start(&mut self) {
+        self.warm_start.fill(WarmStartImpulse::ZERO);
+    }
+
     /// Moves all by the velocities there are, which stay, for `h` \[s\]. Free rotation is exact, so
     /// a body spins on as it does without contacts.
     pub(crate) fn integrate_positions(&mut self, h: Real) {

@@ -4,10 +4,12 @@ use std::ops::Range;
 
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_materials::Extras;
-use crate::math::Real;
+use crate::math::{Real, real};
+use crate::simd::block_lanes::Lanes;
 use crate::simd::{BLOCK, Kernel, RowColors, dispatch_in_blocks};
 use crate::solver::body_rows::{BodyPose, DeltaPose};
 use crate::solver::contact::constraint::{Belt, Block, Bounce, Rolling};
+use crate::solver::contact::follow_bodies::Follow;
 use crate::solver::contact::prepare::Prepare;
 use crate::solver::contact::restitution::{ApplyRestitution, RecordApproachSpeed, SubstepMoment};
 use crate::solver::contact::round_contacts;
@@ -15,6 +17,8 @@ use crate::solver::contact::round_contacts::RoundConstraint;
 use crate::solver::contact::softness::Softness;
 use crate::solver::contact::solve::{Blocks, Solve, StageBodies};
 use crate::solver::contact::store_impulses::StoreImpulses;
+use crate::solver::direct::direct_contact::DirectContact;
+use crate::solver::direct::direct_lanes;
 use crate::solver::graph_coloring::{ContactColor, GraphColoring};
 use crate::solver::locked_bodies::{BlockLocks, LockedBodies};
 use crate::solver::solver_bodies::SolverBodies;
@@ -45,11 +49,19 @@ struct BlockSheet<const P: usize, const C: usize> {
     bounces: Vec<Bounce<P>>,
     belts: Vec<Belt>,
     locks: Vec<BlockLocks>,
+    lags: Vec<[Lanes; 3]>,
 }
 
 impl<const P: usize, const C: usize> Default for BlockSheet<P, C> {
     fn default() -> Self {
-        Self { blocks: Vec::new(), rolling: Vec::new(), bounces: Vec::new(), belts: Vec::new(), locks: Vec::new() }
+        Self {
+            blocks: Vec::new(),
+            rolling: Vec::new(),
+            bounces: Vec::new(),
+            belts: Vec::new(),
+            locks: Vec::new(),
+            lags: Vec::new(),
+        }
     }
 }
 
@@ -63,7 +75,7 @@ enum Sheet {
 
 /// Where a contact is laid out.
 #[derive(Clone, Copy, Default)]
-struct Place {
+pub(crate) struct Place {
     sheet: Sheet,
     block: usize,
     lane: usize,
@@ -87,6 +99,8 @@ pub(crate) enum SolverStage<'a> {
     /// Removes the velocity that the bias gave, and applies friction; with `stores_warm_start` it
     /// stores the impulses for the next substep.
     Relax { h: Real, impact_speed: Real, stores_warm_start: bool },
+    /// Has the contacts follow their bodies in a substep of this length \[s\].
+    Follow(Real),
     /// Records the approach speeds in substeps of this length \[s\].
     RecordApproachSpeed(Real, SubstepMoment),
     /// Applies restitution to points that approached faster than this [m/s].
@@ -219,6 +233,47 @@ impl ContactConstraints {
         }
     }
 
+    /// Where contacts are laid out, in their order.
+    pub(crate) fn places_of(&self, all: usize, contacts: &[GroupContact]) -> Vec<Place> {
+        let mut places = vec![Place::default(); all];
+        self.ones.places(Sheet::Ones, &mut places);
+        self.fours.places(Sheet::Fours, &mut places);
+        contacts.iter().map(|contact| places[contact.number as usize]).collect()
+    }
+
+    /// Makes room for what [`SolverStage::Follow`] finds.
+    pub(crate) fn make_room_for_lags(&mut self) {
+        self.ones.make_room_for_lags();
+        self.fours.make_room_for_lags();
+    }
+
+    /// Reads a contact and its impulses.
+    pub(crate) fn read_direct(&mut self, place: Place, contact: &mut DirectContact) {
+        let Place { sheet, block, lane } = place;
+        match sheet {
+            Sheet::Ones => direct_lanes::read(contact, (&self.ones.blocks(&(block..block + 1)), 0, lane)),
+            Sheet::Fours => direct_lanes::read(contact, (&self.fours.blocks(&(block..block + 1)), 0, lane)),
+        }
+    }
+
+    /// Writes the impulses of a contact.
+    pub(crate) fn write_direct(&mut self, place: Place, contact: &DirectContact) {
+        let Place { sheet, block, lane } = place;
+        match sheet {
+            Sheet::Ones => direct_lanes::write(contact, (&mut self.ones.blocks(&(block..block + 1)), 0, lane)),
+            Sheet::Fours => direct_lanes::write(contact, (&mut self.fours.blocks(&(block..block + 1)), 0, lane)),
+        }
+    }
+
+    /// Adds to what a contact did along the normal \[N s\].
+    pub(crate) fn add_to_total(&mut self, Place { sheet, block, lane }: Place, normal: f64) {
+        let total = match sheet {
+            Sheet::Ones => &mut self.ones.blocks[block].start.total_impulse[lane],
+            Sheet::Fours => &mut self.fours.blocks[block].start.total_impulse[lane],
+        };
+        *total += real(normal);
+    }
+
     /// Stores the impulses in the contacts.
     pub(crate) fn store_impulses(&mut self, contacts: &mut [ContactRecord]) {
         let Self { ones, fours, .. } = self;
@@ -252,6 +307,11 @@ impl<const P: usize, const C: usize> BlockSheet<P, C> {
         self.locks.truncate(if locked.is_empty() { 0 } else { count });
     }
 
+    fn make_room_for_lags(&mut self) {
+        self.lags.clear();
+        self.lags.resize(self.blocks.len(), [[0.0; BLOCK]; 3]);
+    }
+
     /// Notes where each contact is.
     fn places(&self, sheet: Sheet, places: &mut [Place]) {
         for (index, block) in self.blocks.iter().enumerate() {
@@ -273,6 +333,7 @@ impl<const P: usize, const C: usize> BlockSheet<P, C> {
             bounces: self.bounces.get_mut(range.clone()).unwrap_or_default(),
             belts: self.belts.get_mut(range.clone()).unwrap_or_default(),
             locks: self.locks.get(range.clone()).unwrap_or_default(),
+            lags: self.lags.get_mut(range.clone()).unwrap_or_default(),
         }
     }
 }
@@ -338,6 +399,7 @@ impl SolverStage<'_> {
                     stores_warm_start,
                 });
             }
+            Self::Follow(h) => run(Follow::<P, C> { blocks, bodies, h }),
             Self::RecordApproachSpeed(h, moment) => {
                 run(RecordApproachSpeed::<P, C> { blocks, bodies, inverse_h: 1.0 / h, moment });
             }

@@ -10,6 +10,7 @@ use crate::solver::contact::ball_collision::BallCollision;
 use crate::solver::contact::restitution::SubstepMoment;
 use crate::solver::contact::round_contacts::RoundConstraint;
 use crate::solver::contact_work::ContactWorks;
+use crate::solver::direct::direct_group::DirectGroup;
 use crate::solver::gather_scatter::{Constraints, ForceInputs, gather};
 use crate::solver::halved_substeps::HalvedGroup;
 use crate::solver::mechanism::mechanisms::Mechanisms;
@@ -40,6 +41,7 @@ pub(crate) struct SolverGroup {
     pub(crate) ball_collisions: Vec<BallCollision>,
     pub(crate) contacts: Vec<GroupContact>,
     constraints: ContactConstraints,
+    direct: DirectGroup,
 }
 
 /// A contact of a group.
@@ -71,7 +73,8 @@ pub(crate) struct SubstepSettings {
 impl Solver {
     /// Makes room for dynamic bodies, and for others.
     pub(crate) fn reset(&mut self, [dynamic, non_dynamic]: [usize; 2]) {
-        let SolverGroup { bodies, contact_works, rounds, ball_collisions, contacts, .. } = &mut self.group;
+        let SolverGroup { bodies, contact_works, rounds, ball_collisions, contacts, direct, .. } = &mut self.group;
+        direct.clear();
         contact_works.clear();
         rounds.clear();
         ball_collisions.clear();
@@ -96,7 +99,7 @@ impl Solver {
         first_rows: [usize; 2],
     ) -> [usize; 2] {
         let Self { group, halvings, stacks, .. } = self;
-        let SolverGroup { bodies, contact_works, rounds, ball_collisions, contacts: all, .. } = group;
+        let SolverGroup { bodies, contact_works, rounds, ball_collisions, contacts: all, direct, .. } = group;
         let results = (&mut *bodies, contact_works);
         let next_rows = gather(constraints, body_index, columns, inputs, results, first_rows);
         let Constraints { bodies: constrained, contacts, mechanisms } = constraints;
@@ -120,6 +123,8 @@ impl Solver {
         stacks.add_halvings(records, constrained, inputs.0, bodies, halvings);
         if mechanisms.are_touched() {
             mechanisms.keep_whole(records, constrained, bodies, &mut halvings[first as usize..]);
+            // Worlds with joints are solved by themselves: their contacts are all that there are.
+            mechanisms.take_direct((records, bodies), (all, rounds), direct);
         }
         next_rows
     }
@@ -202,14 +207,13 @@ impl SolverGroup {
     ) {
         let mut mechanisms = mechanisms.filter(|mechanisms| mechanisms.are_touched());
         let solve = SolverStage::solve(h, impact_speed);
-        let Self { bodies, contact_works, rounds, ball_collisions, contacts, constraints } = self;
+        let Self { bodies, contact_works, rounds, ball_collisions, contacts, constraints, direct } = self;
+        direct.lay_out(all, bodies, extras);
         constraints.lay_out(all, contacts, bodies, extras);
         constraints.locate(all.len(), rounds);
         bodies.with_poses(|bodies, poses| constraints.run(SolverStage::Prepare(all, poses), bodies));
         if let Some(mechanisms) = &mut mechanisms {
-            contact_works.before_joints(bodies);
-            mechanisms.begin_touched(bodies);
-            contact_works.after_joints(bodies);
+            mechanisms.begin_touched((bodies, contact_works));
         }
         for substep in 0..substeps {
             contact_works.before_forces(bodies);
@@ -222,18 +226,15 @@ impl SolverGroup {
             if extras.bounces {
                 let moment = if substep == 0 { SubstepMoment::FirstForces } else { SubstepMoment::Forces };
                 constraints.run(SolverStage::RecordApproachSpeed(h, moment), bodies);
+                direct.record_approach(bodies, h, moment);
             }
             bodies.apply_warm_start();
             if let Some(mechanisms) = &mut mechanisms {
-                contact_works.before_joints(bodies);
-                mechanisms.solve_positions(bodies, h);
-                contact_works.after_joints(bodies);
+                mechanisms.solve_positions((bodies, contact_works), direct, h);
             }
             constraints.run(solve, bodies);
             if let Some(mechanisms) = &mut mechanisms {
-                contact_works.before_joints(bodies);
-                mechanisms.solve_positions_again(bodies, h);
-                contact_works.after_joints(bodies);
+                mechanisms.solve_positions_again((bodies, contact_works), direct, h);
             }
             bodies.settle_locked();
             ball_collisions.iter_mut().for_each(|it| it.after_impulses(bodies, begin));
@@ -244,10 +245,9 @@ impl SolverGroup {
             if extras.bounces {
                 constraints.run(SolverStage::RecordApproachSpeed(h, SubstepMoment::Motion), bodies);
             }
+            direct.follow(bodies, h, extras);
             if let Some(mechanisms) = &mut mechanisms {
-                contact_works.before_joints(bodies);
-                mechanisms.solve_velocities(bodies, h);
-                contact_works.after_joints(bodies);
+                mechanisms.solve_velocities((bodies, contact_works), direct, h);
             }
             constraints.run(SolverStage::Relax { h, impact_speed, stores_warm_start: substep + 1 < substeps }, bodies);
             contact_works.after_substep(bodies);
@@ -255,10 +255,14 @@ impl SolverGroup {
         }
         if extras.bounces {
             constraints.run(SolverStage::ApplyRestitution(threshold), bodies);
+            if let Some(mechanisms) = &mut mechanisms {
+                mechanisms.bounce((bodies, contact_works), direct, (h, threshold));
+            }
         }
         bodies.settle_locked();
         let end = f64::from(substeps) * f64::from(h);
         ball_collisions.iter_mut().for_each(|it| it.finish(bodies, end));
         constraints.store_impulses(all);
+        direct.store_impulses(all);
     }
 }

@@ -4,6 +4,7 @@ pub(crate) mod ball_collision;
 pub(crate) mod constraint;
 pub(crate) mod contact_frame;
 pub(crate) mod effective_mass;
+pub(crate) mod follow_bodies;
 pub(crate) mod friction;
 pub(crate) mod impact;
 pub(crate) mod prepare;

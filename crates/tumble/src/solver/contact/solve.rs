@@ -4,7 +4,7 @@ use tumble_math::lane::Vec3;
 
 use crate::collision::contact::UpdateRule;
 use crate::math::Real;
-use crate::simd::block_lanes::{at, put, vector_at};
+use crate::simd::block_lanes::{Lanes, at, put, vector_at};
 use crate::simd::{BLOCK, Kernel, Rows, Tile};
 use crate::solver::body_rows::{BodyMotion, DeltaPose, WarmStartImpulse, WorldInverseInertia};
 use crate::solver::contact::constraint::{Belt, Block, Bounce, Rolling};
@@ -26,6 +26,9 @@ pub(crate) struct Blocks<'a, const P: usize, const C: usize> {
     pub(crate) bounces: &'a mut [Bounce<P>],
     pub(crate) belts: &'a mut [Belt],
     pub(crate) locks: &'a [BlockLocks],
+    /// Of contacts that follow their bodies in a stage of its own, by how much velocities differ in
+    /// the middle of the substep \[m/s\].
+    pub(crate) lags: &'a mut [[Lanes; 3]],
 }
 
 impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
@@ -42,14 +45,16 @@ impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
         let (bounces, other_bounces) = self.bounces.split_at_mut(of_some(self.bounces.len()));
         let (belts, other_belts) = self.belts.split_at_mut(of_some(self.belts.len()));
         let (locks, other_locks) = self.locks.split_at(of_some(self.locks.len()));
+        let (lags, other_lags) = self.lags.split_at_mut(of_some(self.lags.len()));
         let others = Self {
             blocks: other_blocks,
             rolling: other_rolling,
             bounces: other_bounces,
             belts: other_belts,
             locks: other_locks,
+            lags: other_lags,
         };
-        (Self { blocks, rolling, bounces, belts, locks }, others)
+        (Self { blocks, rolling, bounces, belts, locks, lags }, others)
     }
 
     /// What friction takes out, as a velocity of the second body relative to the first, where that

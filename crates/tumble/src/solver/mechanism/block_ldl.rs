@@ -267,6 +267,42 @@ impl BlockLdl {
         });
     }
 
+    /// Goes forward with many right sides, `width` fours of them by row.
+    #[inline(always)]
+    pub(super) fn forward<T: FourLane>(&self, x: &mut [Four], width: usize) {
+        for row in 0..self.sizes.len() {
+            let n = self.sizes[row];
+            for block in self.elimination.blocks_of(row) {
+                let column = self.elimination.columns[block] as usize;
+                let (m, weights) = (self.sizes[column], &self.weights[self.block_starts[block]..]);
+                for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
+                    let weight = T::splat(weights[i * fours(m) + j / 4][j % 4]);
+                    let (from, to) = ((self.place(row) + i) * width, (self.place(column) + j) * width);
+                    // A later node has a later place.
+                    let (before, after) = x.split_at_mut(to);
+                    for (there, here) in after[..width].iter_mut().zip(&before[from..from + width]) {
+                        (T::load(there) - weight * T::load(here)).store(there);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Many right sides times the inverse pivots.
+    #[inline(always)]
+    pub(super) fn times_pivots<T: FourLane>(&self, x: &[Four], y: &mut [Four], width: usize) {
+        for row in 0..self.sizes.len() {
+            let (n, pivot) = (self.sizes[row], &self.diagonal[self.diagonal_starts[row]..]);
+            for (i, k) in (0..n).flat_map(|i| (0..n).map(move |k| (i, k))) {
+                let number = T::splat(pivot[i * fours(n) + k / 4][k % 4]);
+                let (from, to) = ((self.place(row) + k) * width, (self.place(row) + i) * width);
+                for (there, here) in y[to..to + width].iter_mut().zip(&x[from..from + width]) {
+                    (T::load(there) + number * T::load(here)).store(there);
+                }
+            }
+        }
+    }
+
     /// Solves for a right side, in its place.
     pub(crate) fn solve(&self, x: &mut [Four]) {
         dispatch_fours(Solve { matrix: self, x });

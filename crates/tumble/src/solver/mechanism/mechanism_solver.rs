@@ -53,7 +53,9 @@ pub(crate) struct MechanismSolver {
     /// first of the last substep took out.
     pub(super) bend: Vec<Four>,
     /// By body, memory of a product with the matrix.
-    velocities: Vec<[Vec3<f64>; 2]>,
+    pub(super) velocities: Vec<[Vec3<f64>; 2]>,
+    /// By body, velocities of pushes; zero between these.
+    pub(super) pushed: Vec<[Vec3<f64>; 2]>,
     /// By body: sum of impulse times arm.
     pub(super) pulls: Vec<f64>,
     /// By row: how impulses change the speeds.
@@ -105,7 +107,7 @@ const MAX_RAISES: u32 = 3;
 /// Solutions in which rows along free axes change between parts of their laws, at most.
 const MAX_CHANGES: u32 = 6;
 /// The direction of a joint's impulse on each of its bodies.
-pub(super) const SIGNS: [f64; 2] = [-1.0, 1.0];
+pub(crate) const SIGNS: [f64; 2] = [-1.0, 1.0];
 
 impl MechanismSolver {
     /// Of joints between bodies that are numbered from 0; `moves` says which of these impulses
@@ -143,6 +145,7 @@ impl MechanismSolver {
             bodies: Vec::with_capacity(moves.len()),
             saved: Vec::with_capacity(moves.len()),
             velocities: vec![[Vec3::zero(); 2]; moves.len()],
+            pushed: vec![[Vec3::zero(); 2]; moves.len()],
             joints: ordered,
             matrix,
             couplings,
@@ -283,7 +286,8 @@ impl MechanismSolver {
 
     /// Solves for the impulses of one half: in the first those that meet the joints at the end of
     /// the substep if bodies move straight on, with as much inertia as these impulses ask for.
-    pub(super) fn solve_half(&mut self, half: Half) {
+    /// Returns whether the matrix has changed.
+    pub(crate) fn solve_half(&mut self, half: Half) -> bool {
         let is_position = half.phase == Phase::Positions;
         let (mut changes, mut raises) = (0, 1);
         loop {
@@ -298,10 +302,11 @@ impl MechanismSolver {
             }
             self.factor();
         }
+        changes > 0 || raises > 1
     }
 
     /// Sets how the impulses of the right side change the rows' speeds.
-    pub(super) fn set_response(&mut self) {
+    pub(crate) fn set_response(&mut self) {
         let Self { joints, bodies, matrix, right, velocities, response, .. } = self;
         let (right, response) = (right.as_flattened(), response.as_flattened_mut());
         velocities.fill([Vec3::zero(); 2]);

@@ -15,6 +15,7 @@ use crate::math::{Real, real, vec3};
 use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, is_rotation, within};
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact_work::ContactWorks;
+use crate::solver::direct::direct_contacts::DirectContacts;
 use crate::solver::mechanism::fours::{row, vector};
 use crate::solver::mechanism::free_axis::free_axis_bits;
 use crate::solver::mechanism::gear_rows::GearRows;
@@ -35,7 +36,7 @@ pub(crate) struct Mechanisms {
     pub(crate) loads: Vec<f64>,
     /// The joints that act in this substep, as numbers in the list.
     active: Vec<u32>,
-    mechanisms: Vec<Mechanism>,
+    pub(super) mechanisms: Vec<Mechanism>,
     /// What the mechanisms were made for.
     structure: Vec<Link>,
     gear_structure: Vec<GearLink>,
@@ -53,9 +54,9 @@ pub(crate) struct Mechanisms {
 
 /// Bodies that hang together.
 #[derive(Clone, Debug)]
-struct Mechanism {
-    solver: MechanismSolver,
-    slots: Vec<Slot>,
+pub(super) struct Mechanism {
+    pub(super) solver: MechanismSolver,
+    pub(super) slots: Vec<Slot>,
     /// In the order of the solver's, as numbers of active joints and, past these, of gears and of
     /// locks.
     joints: Vec<u32>,
@@ -63,9 +64,12 @@ struct Mechanism {
     /// that does not move.
     locked: Vec<LockedEnd>,
     /// Whether a contact acts on one of its bodies in this substep.
-    is_touched: bool,
+    pub(super) is_touched: bool,
+    /// The contacts that are solved with the joints, and whether there are others, in passes.
+    pub(super) direct: DirectContacts,
+    pub(super) has_passes: bool,
     /// Whether all its numbers are finite.
-    is_sound: bool,
+    pub(super) is_sound: bool,
 }
 
 /// A body of a mechanism whose axes are locked: by rows between it and the ground.
@@ -292,7 +296,7 @@ impl Mechanisms {
             let (mut solver, order) = MechanismSolver::new(&joints, &moves);
             solver.ground(locked.iter().map(|it| it.lock));
             let joints = order.iter().map(|place| numbers[*place as usize]).collect();
-            mechanisms.push(Mechanism { solver, slots: of_it, joints, locked, is_touched: false, is_sound: true });
+            mechanisms.push(Mechanism::new(solver, of_it, joints, locked));
         }
     }
 
@@ -350,50 +354,6 @@ impl Mechanisms {
         }
     }
 
-    /// To be called before the first substep of touched mechanisms.
-    pub(crate) fn begin_touched(&mut self, bodies: &mut SolverBodies) {
-        for mechanism in self.mechanisms.iter_mut().filter(|mechanism| mechanism.is_touched) {
-            mechanism.solver.begin();
-            mechanism.solver.bodies.iter().for_each(|body| body.write_momentum(bodies));
-        }
-        bodies.lock_responses();
-    }
-
-    /// Solves the joints of touched mechanisms before their bodies move on for `h` \[s\].
-    pub(crate) fn solve_positions(&mut self, bodies: &mut SolverBodies, h: Real) {
-        self.solve_touched(bodies, |solver| solver.solve_once(f64::from(h)));
-    }
-
-    /// The same again, after contacts have pushed.
-    pub(crate) fn solve_positions_again(&mut self, bodies: &mut SolverBodies, h: Real) {
-        self.solve_touched(bodies, |solver| {
-            solver.take_back();
-            solver.solve_once(f64::from(h));
-        });
-    }
-
-    /// Takes out the velocities against the joints of touched mechanisms.
-    pub(crate) fn solve_velocities(&mut self, bodies: &mut SolverBodies, h: Real) {
-        self.solve_touched(bodies, |solver| solver.solve_velocities_once(f64::from(h)));
-    }
-
-    fn solve_touched(&mut self, bodies: &mut SolverBodies, solve: impl Fn(&mut MechanismSolver)) {
-        for mechanism in self.mechanisms.iter_mut().filter(|mechanism| mechanism.is_touched) {
-            let solver = &mut mechanism.solver;
-            let moving = solver.bodies.iter_mut().take(mechanism.slots.len());
-            moving.for_each(|body| body.read_motion(bodies));
-            solver.update_rows();
-            solve(solver);
-            mechanism.is_sound = solver.bodies.iter().all(MechanismBody::is_finite);
-            if mechanism.is_sound {
-                solver.bodies.iter().for_each(|body| body.write_momentum(bodies));
-            } else {
-                solver.forget_impulses();
-            }
-        }
-        bodies.lock_responses();
-    }
-
     /// Notes the loads, what joints have done, and how they stand, and writes the bodies of
     /// mechanisms that nothing touches to their rows.
     pub(crate) fn write(&mut self, bodies: &mut SolverBodies, works: &mut ContactWorks) {
@@ -403,7 +363,7 @@ impl Mechanisms {
             works.before_joints(bodies);
         }
         let Self { list, mechanisms, loads, active, done, values_and_speeds, .. } = self;
-        for Mechanism { solver, slots, joints, locked, is_touched, is_sound } in mechanisms {
+        for Mechanism { solver, slots, joints, locked, is_touched, is_sound, .. } in mechanisms {
             if !*is_sound {
                 // Its bodies have moved as if they had no joints.
                 slots.iter().for_each(|slot| loads[slot.index()] = 0.0);
@@ -461,6 +421,11 @@ impl Mechanisms {
 }
 
 impl Mechanism {
+    fn new(solver: MechanismSolver, slots: Vec<Slot>, joints: Vec<u32>, locked: Vec<LockedEnd>) -> Self {
+        let direct = DirectContacts::default();
+        Self { solver, slots, joints, locked, is_touched: false, direct, has_passes: false, is_sound: true }
+    }
+
     /// Has the rows of locked axes begin where the bodies are, along the axes of the world.
     fn read_locks(&mut self) {
         let Self { solver, slots, locked, .. } = self;

@@ -8,6 +8,7 @@
 pub(crate) mod block_kernels;
 pub(crate) mod block_ldl;
 mod body_passes;
+pub(crate) mod contact_responses;
 pub(crate) mod elimination;
 pub(crate) mod fours;
 mod free_axis;
@@ -34,3 +35,4 @@ mod raised_inertia;
 mod rotations;
 pub(crate) mod row_spring;
 mod touched_mechanism;
+mod touched_mechanisms;

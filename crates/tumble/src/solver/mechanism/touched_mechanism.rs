@@ -1,17 +1,22 @@
-//! Mechanisms that contacts act on: solutions for their joints, between those of contacts.
+//! Mechanisms that contacts act on: solutions for their joints, with those of their direct contacts
+//! and between those of others.
 
+use tumble_math::lane::Vec3;
+
+use crate::simd::Four;
+use crate::solver::direct::direct_contacts::{ContactStage, DirectContacts};
 use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::mechanism_solver::{Half, MechanismSolver};
 
 impl MechanismSolver {
-    /// Finds the impulses that meet the joints at the end of a substep of `h` \[s\] to first order,
-    /// where others move the bodies.
-    pub(crate) fn solve_once(&mut self, h: f64) {
+    /// Finds the impulses that meet the joints and the direct contacts at the end of a substep of
+    /// `h` \[s\] to first order, where others move the bodies.
+    pub(crate) fn solve_once(&mut self, h: f64, contacts: &mut DirectContacts, stage: ContactStage) {
         let half = Half { phase: Phase::Positions, h, before: 1.0 };
         self.begin_half(half);
         self.factor();
         self.plan_corrections(h);
-        self.solve_half(half);
+        contacts.solve(self, half, stage);
         self.impulses.copy_from_slice(&self.right);
         self.push();
         self.note_springs();
@@ -43,8 +48,67 @@ impl MechanismSolver {
     }
 
     /// Takes out the velocities against the joints, where others have moved the bodies for `h`
-    /// \[s\].
-    pub(crate) fn solve_velocities_once(&mut self, h: f64) {
-        self.solve_velocities(Half { phase: Phase::Velocities, h, before: 1.0 });
+    /// \[s\], and has direct contacts stop or, at the end of a step, bounce.
+    pub(crate) fn solve_velocities_once(&mut self, h: f64, contacts: &mut DirectContacts, stage: ContactStage) {
+        let half = Half { phase: Phase::Velocities, h, before: 1.0 };
+        self.begin_half(half);
+        self.factor();
+        contacts.solve(self, half, stage);
+        self.impulses.copy_from_slice(&self.right);
+        self.push();
+        self.note_impulses(false);
+    }
+
+    /// The velocities of a body once the impulses on the right side act, of which the response is
+    /// set.
+    pub(crate) fn velocities_to_be(&self, body: usize) -> [Vec3<f64>; 2] {
+        let [linear, angular] = self.velocities[body];
+        let of_body = &self.bodies[body];
+        [of_body.linear_velocity() + linear, of_body.angular_velocity() + angular]
+    }
+
+    /// The impulses on the right side.
+    pub(crate) fn right_side(&self) -> Vec<Four> {
+        self.right.clone()
+    }
+
+    pub(crate) fn set_right_side_to(&mut self, impulses: &[Four]) {
+        self.right.copy_from_slice(impulses);
+    }
+
+    /// The velocities that the response gives a body.
+    pub(crate) fn response_of(&self, body: usize) -> [Vec3<f64>; 2] {
+        self.velocities[body]
+    }
+
+    /// Sets how impulses \[N s\] and angular ones [N m s] on these bodies change velocities, with
+    /// the joints as they are in the matrix. The right side is lost.
+    pub(crate) fn respond(&mut self, pushes: &[(usize, Vec3<f64>, Vec3<f64>)]) {
+        let Self { joints, bodies, matrix, right, velocities, pushed, .. } = self;
+        for (body, linear, torque) in pushes {
+            let of_body = &bodies[*body];
+            let [linear_velocity, angular_velocity] = &mut pushed[*body];
+            *linear_velocity = *linear_velocity + *linear * of_body.inverse_mass();
+            *angular_velocity = *angular_velocity + of_body.times_inverse_inertia(*torque);
+        }
+        right.fill([0.0; 4]);
+        let numbers = right.as_flattened_mut();
+        for (number, joint) in joints.iter().enumerate() {
+            if joint.ends().any(|body| pushes.iter().any(|push| push.0 == body)) {
+                let speeds = joint.speeds_by(|body| pushed[body]);
+                let numbers = &mut numbers[matrix.place(number)..][..joint.count];
+                for (row, (number, speed)) in numbers.iter_mut().zip(speeds.as_flattened()).enumerate() {
+                    *number = if joint.is_off(row) { 0.0 } else { -speed };
+                }
+            }
+        }
+        velocities.fill([Vec3::zero(); 2]);
+        self.solve_right_side();
+        self.set_response();
+        for (body, ..) in pushes {
+            let [linear, angular] = std::mem::replace(&mut self.pushed[*body], [Vec3::zero(); 2]);
+            let of_body = &mut self.velocities[*body];
+            *of_body = [of_body[0] + linear, of_body[1] + angular];
+        }
     }
 }

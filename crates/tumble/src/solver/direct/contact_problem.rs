@@ -1,0 +1,389 @@
+//! The impulses of contacts that answer to each other: none pulls, friction stays within its limit
+//! and is against what slides.
+//!
+//! With the speeds `w = A f + q` of all rows and impulses `f`, a point has `f >= 0`, `w >= 0` and
+//! one of them zero. Sweeps go from contact to contact. Between them a step of Newton's method
+//! takes the equations of what carries and slides together (P. Alart, A. Curnier, "A mixed
+//! formulation for frictional contact problems prone to Newton like solution methods", 1991), and
+//! is kept where it leads on.
+
+use crate::solver::direct::dense;
+use crate::solver::direct::direct_contact::MAX_CONTACT_ROWS;
+use crate::solver::direct::newton_step::NewtonStep;
+
+/// The rows of one contact in a problem: points along the normal first, then two along the
+/// tangents, one about the normal if it resists twisting, and two about the tangents if it resists
+/// rolling.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ContactShape {
+    pub(crate) first: usize,
+    pub(crate) points: usize,
+    /// Coefficients of friction: what it takes to begin to slide, and what sliding meets.
+    pub(crate) friction: [f64; 2],
+    /// At which friction acts against a twist, zero where it does not \[m\].
+    pub(crate) radius: f64,
+    /// Of rolling resistance, zero where there is none \[m\].
+    pub(crate) rolling: f64,
+    /// Whether it slides.
+    pub(crate) slides: bool,
+    /// Of the responses of the rows of friction, once a problem is solved.
+    pub(crate) inverse: [[f64; 3]; 3],
+}
+
+/// Speeds and impulses of the rows of contacts.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ContactProblem {
+    pub(crate) contacts: Vec<ContactShape>,
+    /// Row by row: the speed of a row that an impulse of one along another gives.
+    pub(crate) responses: Vec<f64>,
+    /// The speed of each row with these impulses, less the one that it is to have.
+    pub(crate) speeds: Vec<f64>,
+    pub(crate) impulses: Vec<f64>,
+    /// Whether a point may push in this solution.
+    pub(crate) may_push: Vec<bool>,
+    /// Slower than this is at rest \[m/s\].
+    pub(crate) rest: f64,
+    /// Impulses before a step, and those from which a sweep changed least.
+    before: Vec<f64>,
+    best: Vec<f64>,
+    start: Vec<f64>,
+    pub(super) step: NewtonStep,
+}
+
+/// Steps of Newton's method, at most; sweeps before the first, and before another, at most.
+const MAX_ROUNDS: u32 = 24;
+const FIRST_SWEEPS: u32 = 2;
+const MAX_SWEEPS: u32 = 32;
+const LAST_SWEEPS: u32 = 100;
+/// How often a sweep goes through the rows of a contact, at most, and until they change by this
+/// part of what they did first.
+const MAX_LOCAL: u32 = 8;
+const LOCAL_TOLERANCE: f64 = 1e-3;
+/// What a step leaves of the change of a sweep, at most, if it is kept.
+const KEPT: f64 = 0.9;
+/// What a sweep changes of speeds where impulses are found, of the greatest that there were.
+const TOLERANCE: f64 = 1e-10;
+
+impl ContactShape {
+    /// How many rows it has.
+    pub(crate) fn rows(&self) -> usize {
+        self.points + self.tangential()
+    }
+
+    /// How many of friction against sliding and twisting.
+    fn friction_rows(&self) -> usize {
+        if self.radius > 0.0 { 3 } else { 2 }
+    }
+
+    fn tangential(&self) -> usize {
+        self.friction_rows() + if self.rolling > 0.0 { 2 } else { 0 }
+    }
+
+    pub(super) fn normals(&self) -> std::ops::Range<usize> {
+        self.first..self.first + self.points
+    }
+
+    /// The rows of friction.
+    pub(super) fn sliding(&self) -> std::ops::Range<usize> {
+        let begin = self.first + self.points;
+        begin..begin + self.friction_rows()
+    }
+
+    /// The rows of rolling resistance.
+    pub(super) fn rolling(&self) -> std::ops::Range<usize> {
+        let begin = self.sliding().end;
+        begin..self.first + self.rows()
+    }
+
+    /// What makes a linear speed of that of a row: a length for rows that turn \[m\].
+    pub(crate) fn length(&self, row: usize) -> f64 {
+        match row.checked_sub(self.points) {
+            None | Some(0 | 1) => 1.0,
+            Some(2) if self.radius > 0.0 => 1.0 / self.radius,
+            Some(_) => 1.0 / self.rolling,
+        }
+    }
+
+    /// What an impulse along a row of friction counts as: of a twist, over the radius.
+    pub(super) fn scale(&self, row: usize) -> f64 {
+        if row - self.sliding().start == 2 { 1.0 / self.radius } else { 1.0 }
+    }
+}
+
+impl ContactProblem {
+    /// Of contacts with impulses, where nothing is known yet of speeds.
+    pub(crate) fn resize(&mut self) {
+        let n = self.contacts.last().map_or(0, |contact| contact.first + contact.rows());
+        self.responses.clear();
+        self.responses.resize(n * n, 0.0);
+        self.speeds.clear();
+        self.speeds.resize(n, 0.0);
+        self.impulses.clear();
+        self.impulses.resize(n, 0.0);
+        self.may_push.clear();
+        self.may_push.resize(n, true);
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.speeds.len()
+    }
+
+    /// Finds the impulses, and the speeds with them.
+    pub(crate) fn solve(&mut self) {
+        let greatest = self.speeds.iter().fold(0.0_f64, |most, speed| most.max(speed.abs()));
+        if greatest == 0.0 {
+            return;
+        }
+        let tolerance = (TOLERANCE * greatest).max(self.rest);
+        self.set_start();
+        self.invert_friction();
+        let (mut sweeps, mut least) = (FIRST_SWEEPS, f64::INFINITY);
+        for _ in 0..MAX_ROUNDS {
+            let left = (0..sweeps).fold(f64::INFINITY, |_, _| self.sweep());
+            if left <= tolerance {
+                return;
+            }
+            self.before.clone_from(&self.impulses);
+            if left < least {
+                least = left;
+                self.best.clone_from(&self.impulses);
+            }
+            let slides: Vec<_> = self.contacts.iter().map(|contact| contact.slides).collect();
+            let value = self.value();
+            sweeps = (2 * sweeps).min(MAX_SWEEPS);
+            for is_whole in [true, false] {
+                if is_whole {
+                    self.set_newton_step();
+                    self.take_newton_step(1.0);
+                } else {
+                    self.go_to_bounds();
+                }
+                let has_fallen = !is_whole && self.value() < value;
+                let after = self.sweep();
+                if after <= tolerance {
+                    return;
+                }
+                if after < KEPT * left || has_fallen {
+                    sweeps = 1;
+                    break;
+                }
+                self.go_back(|it| &it.before);
+                self.contacts.iter_mut().zip(&slides).for_each(|(contact, slides)| contact.slides = *slides);
+            }
+        }
+        self.go_back(|it| &it.best);
+        for _ in 0..LAST_SWEEPS {
+            if self.sweep() <= tolerance {
+                return;
+            }
+        }
+    }
+
+    /// Notes the speeds without impulses.
+    fn set_start(&mut self) {
+        let n = self.len();
+        let Self { start, speeds, impulses, responses, .. } = self;
+        start.clone_from(speeds);
+        for (impulse, responses) in
+            impulses.iter().zip(responses.chunks_exact(n)).filter(|(impulse, _)| **impulse != 0.0)
+        {
+            start.iter_mut().zip(responses).for_each(|(speed, response)| *speed -= response * impulse);
+        }
+    }
+
+    /// What the impulses do to the energy \[J\].
+    fn value(&self) -> f64 {
+        let speeds = self.speeds.iter().zip(&self.start).map(|(now, start)| now + start);
+        0.5 * self.impulses.iter().zip(speeds).map(|(impulse, speed)| impulse * speed).sum::<f64>()
+    }
+
+    /// Takes impulses that there were.
+    fn go_back(&mut self, to: impl Fn(&Self) -> &[f64]) {
+        for row in 0..self.len() {
+            let change = to(self)[row] - self.impulses[row];
+            self.add(row, change);
+        }
+    }
+
+    /// Adds to an impulse.
+    pub(super) fn add(&mut self, row: usize, change: f64) {
+        if change != 0.0 {
+            let n = self.len();
+            self.impulses[row] += change;
+            // Responses are symmetric.
+            let responses = &self.responses[row * n..(row + 1) * n];
+            self.speeds.iter_mut().zip(responses).for_each(|(speed, response)| *speed += response * change);
+        }
+    }
+
+    pub(super) fn response(&self, row: usize, other: usize) -> f64 {
+        self.responses[row * self.len() + other]
+    }
+
+    /// The sum of the normal impulses of a contact.
+    pub(super) fn normal(&self, contact: &ContactShape) -> f64 {
+        self.impulses[contact.normals()].iter().sum()
+    }
+
+    /// Goes through all contacts once, and through each until its own rows agree; returns the
+    /// greatest change of a speed.
+    fn sweep(&mut self) -> f64 {
+        let mut most = 0.0_f64;
+        for number in 0..self.contacts.len() {
+            let mut contact = self.contacts[number];
+            let rows = contact.first..contact.first + contact.rows();
+            let mut before = [0.0; MAX_CONTACT_ROWS];
+            before[..rows.len()].copy_from_slice(&self.impulses[rows.clone()]);
+            let mut first = 0.0;
+            for round in 0..MAX_LOCAL {
+                let change = self.solve_contact(&mut contact);
+                first = if round == 0 { change } else { first };
+                if change <= LOCAL_TOLERANCE * first {
+                    break;
+                }
+            }
+            self.contacts[number].slides = contact.slides;
+            most = most.max(first);
+            for (row, before) in rows.clone().zip(before) {
+                let change = self.impulses[row] - before;
+                if change != 0.0 {
+                    let n = self.len();
+                    let responses = &self.responses[row * n..(row + 1) * n];
+                    for others in [0..rows.start, rows.end..n] {
+                        let others = self.speeds[others.clone()].iter_mut().zip(&responses[others]);
+                        others.for_each(|(speed, response)| *speed += response * change);
+                    }
+                }
+            }
+        }
+        most
+    }
+
+    /// Adds to an impulse, of which only its own contact's speeds know yet.
+    fn add_within(&mut self, contact: &ContactShape, row: usize, change: f64) {
+        if change != 0.0 {
+            let n = self.len();
+            self.impulses[row] += change;
+            let rows = contact.first..contact.first + contact.rows();
+            let responses = &self.responses[row * n..(row + 1) * n][rows.clone()];
+            self.speeds[rows].iter_mut().zip(responses).for_each(|(speed, response)| *speed += response * change);
+        }
+    }
+
+    /// Goes through the rows of a contact once, for the speeds of its own rows; returns the
+    /// greatest change of a speed.
+    fn solve_contact(&mut self, contact: &mut ContactShape) -> f64 {
+        let mut most = 0.0_f64;
+        for row in contact.normals() {
+            let response = self.response(row, row);
+            let wanted = self.impulses[row] - self.speeds[row] / response;
+            let wanted = if response > 0.0 && self.may_push[row] { wanted.max(0.0) } else { 0.0 };
+            let change = wanted - self.impulses[row];
+            self.add_within(contact, row, change);
+            most = most.max((change * response).abs());
+        }
+        let normal = self.normal(contact);
+        if contact.rolling > 0.0 {
+            most = most.max(self.limit_rolling(contact, contact.rolling * normal));
+        }
+        most.max(self.limit_friction(contact, normal))
+    }
+
+    /// Takes out as much of the rolling as a limit allows; returns the greatest change of a speed.
+    fn limit_rolling(&mut self, contact: &ContactShape, limit: f64) -> f64 {
+        let rows = contact.rolling();
+        let trace: f64 = rows.clone().map(|row| self.response(row, row)).sum();
+        let rate = if trace > 0.0 { 1.0 / trace } else { 0.0 };
+        let wanted: [f64; 2] = std::array::from_fn(|k| {
+            let row = rows.start + k;
+            self.impulses[row] - rate * self.speeds[row]
+        });
+        let length = (wanted[0] * wanted[0] + wanted[1] * wanted[1]).sqrt();
+        let part = if length > limit { limit / length } else { 1.0 };
+        let mut most = 0.0_f64;
+        for (row, wanted) in rows.zip(wanted) {
+            let change = wanted * part - self.impulses[row];
+            self.add_within(contact, row, change);
+            most = most.max((change * self.response(row, row)).abs());
+        }
+        most
+    }
+
+    /// Takes out as much of sliding and twisting as friction allows for a normal impulse; returns
+    /// the greatest change of a speed.
+    fn limit_friction(&mut self, contact: &mut ContactShape, normal: f64) -> f64 {
+        let rows = contact.sliding();
+        let count = rows.len();
+        let [hold, slide] = contact.friction.map(|friction| friction * normal);
+        let wanted = if normal > 0.0 {
+            let (held, size) = self.held(contact);
+            contact.slides = size > if contact.slides { slide } else { hold };
+            if contact.slides { self.slid(contact, slide) } else { held }
+        } else {
+            contact.slides = false;
+            [0.0; 3]
+        };
+        let mut most = 0.0_f64;
+        for (row, wanted) in rows.zip(wanted).take(count) {
+            let change = wanted - self.impulses[row];
+            self.add_within(contact, row, change);
+            most = most.max((change * self.response(row, row)).abs());
+        }
+        most
+    }
+
+    /// The impulses with which nothing slides or twists, and how large they are together.
+    fn held(&self, contact: &ContactShape) -> ([f64; 3], f64) {
+        let (rows, inverse) = (contact.sliding(), &contact.inverse);
+        let mut held = [0.0; 3];
+        let speeds = &self.speeds[rows.clone()];
+        for ((held, impulse), inverse) in held.iter_mut().zip(&self.impulses[rows]).zip(inverse) {
+            let change: f64 = inverse.iter().zip(speeds).map(|(inverse, speed)| inverse * speed).sum();
+            *held = impulse - change;
+        }
+        (held, self.size(contact, &held))
+    }
+
+    /// Sets the inverses of the responses of friction in each contact.
+    fn invert_friction(&mut self) {
+        for number in 0..self.contacts.len() {
+            let contact = self.contacts[number];
+            let (rows, n) = (contact.sliding(), contact.friction_rows());
+            let mut inverse = [[0.0; 3]; 3];
+            for k in 0..n {
+                let mut matrix = [0.0; 9];
+                let mut right = [0.0; 3];
+                right[k] = 1.0;
+                for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                    matrix[i * n + j] = self.response(rows.start + i, rows.start + j);
+                }
+                dense::solve(&mut matrix[..n * n], &mut right[..n]);
+                (0..n).for_each(|i| inverse[i][k] = right[i]);
+            }
+            self.contacts[number].inverse = inverse;
+        }
+    }
+
+    /// How large impulses of friction are together.
+    fn size(&self, contact: &ContactShape, impulses: &[f64; 3]) -> f64 {
+        let squares = contact.sliding().zip(impulses).map(|(row, impulse)| (impulse * contact.scale(row)).powi(2));
+        squares.sum::<f64>().sqrt()
+    }
+
+    /// The impulses at the limit against what slides: the limit of which a step against the
+    /// velocity leads furthest.
+    fn slid(&self, contact: &ContactShape, limit: f64) -> [f64; 3] {
+        let rows = contact.sliding();
+        // In impulses that count alike.
+        let trace: f64 = rows.clone().map(|row| self.response(row, row) * (1.0 / contact.scale(row)).powi(2)).sum();
+        let rate = if trace > 0.0 { 1.0 / trace } else { 0.0 };
+        let mut wanted = [0.0; 3];
+        for (wanted, row) in wanted.iter_mut().zip(rows) {
+            let scale = contact.scale(row);
+            *wanted = self.impulses[row] - rate * self.speeds[row] / (scale * scale);
+        }
+        let size = self.size(contact, &wanted);
+        let part = if size > limit { limit / size } else { 1.0 };
+        wanted.map(|wanted| wanted * part)
+    }
+}

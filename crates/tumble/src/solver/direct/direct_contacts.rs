@@ -1,0 +1,369 @@
+//! The direct contacts of a mechanism: its part in the solution of a substep.
+
+use tumble_math::lane::Vec3;
+
+use crate::solver::direct::contact_problem::ContactProblem;
+use crate::solver::direct::direct_contact::{DirectContact, MAX_CONTACT_ROWS};
+use crate::solver::mechanism::contact_responses::JointsByContacts;
+use crate::solver::mechanism::mechanism_body::MechanismBody;
+use crate::solver::mechanism::mechanism_solver::{Half, MechanismSolver};
+
+/// What contacts are solved for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ContactStage {
+    /// Before bodies move on: no point comes nearer than it may, and overlaps are pushed apart.
+    Positions,
+    /// The same after contacts in passes have pushed too.
+    PositionsAgain,
+    /// After they have moved: no point comes, and the velocity of the push is taken out.
+    Velocities,
+    /// At the end of a step: points that came faster than this leave with their restitution
+    /// \[m/s\].
+    Bounce,
+}
+
+/// Contacts that are solved with the joints of a mechanism.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct DirectContacts {
+    pub(crate) contacts: Vec<DirectContact>,
+    /// By contact, its number among the direct ones of the group.
+    pub(crate) numbers: Vec<u32>,
+    /// Bodies that belong to no mechanism: their numbers follow on those of the mechanism's.
+    pub(crate) beside: Vec<MechanismBody>,
+    problem: ContactProblem,
+    /// By contact and row, the speed that it is to have, and the impulse where the stage began.
+    goals: Vec<[f64; MAX_CONTACT_ROWS]>,
+    begun: Vec<[f64; MAX_CONTACT_ROWS]>,
+    /// Slower points do not bounce \[m/s\].
+    pub(crate) threshold: f64,
+    /// Overlaps up to this are rounding \[m\].
+    pub(crate) rounding: f64,
+    /// Whether work is booked.
+    pub(crate) has_accounts: bool,
+    /// By contact, work in the last stage.
+    pub(crate) works: Vec<DirectWork>,
+    changes: Vec<[f64; MAX_CONTACT_ROWS]>,
+    by_contacts: JointsByContacts,
+}
+
+/// What the impulses of a contact did, together with what joints did because of them \[J\].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct DirectWork {
+    /// On each of its bodies.
+    pub(crate) of_ends: [f64; 2],
+    /// On both, of the impulses along the normal.
+    of_points: f64,
+}
+
+/// How often contacts are solved again where joints have changed with them.
+const MAX_REPEATS: u32 = 4;
+/// By how much contacts give way under a load, over what free fall does in a substep to as much
+/// mass as that of all bodies: redundant ones share it.
+const SOFTNESS: f64 = 1e-4;
+/// What is slower moves less than this many roundings of a place in a substep, and is at rest.
+const REST: f64 = 1e-3;
+/// The part of an overlap that is pushed out in a substep.
+const PUSHED: f64 = 0.2;
+/// Fastest that overlapping bodies are pushed apart \[m/s\].
+const MAX_PUSH: f64 = 3.0;
+
+impl DirectContacts {
+    /// Finds the impulses of contacts together with those of the joints, which are on the right
+    /// side in the end; those of the contacts act already.
+    pub(crate) fn solve(&mut self, solver: &mut MechanismSolver, half: Half, stage: ContactStage) {
+        if self.contacts.is_empty() {
+            solver.solve_half(half);
+            return;
+        }
+        self.begin(solver, stage);
+        solver.solve_half(half);
+        for repeat in 0..MAX_REPEATS {
+            self.set_problem(solver, (half, stage), repeat == 0);
+            self.problem.solve();
+            if stage == ContactStage::Bounce {
+                self.limit_bounce();
+            }
+            self.take_solution(solver);
+            if !solver.solve_half(half) || stage == ContactStage::Bounce {
+                break;
+            }
+        }
+        self.finish(solver, stage);
+    }
+
+    /// Whether any of them may bounce.
+    pub(crate) fn bounces(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.restitution > 0.0)
+    }
+
+    /// Notes where the stage begins.
+    fn begin(&mut self, solver: &mut MechanismSolver, stage: ContactStage) {
+        let count = solver.bodies.len();
+        let Self { contacts, begun, beside, .. } = self;
+        begun.clear();
+        for contact in contacts.iter_mut() {
+            match stage {
+                ContactStage::Positions => {
+                    begun.push([0.0; MAX_CONTACT_ROWS]);
+                    push(contact, &contact.impulses, (&mut solver.bodies, beside, count));
+                }
+                ContactStage::PositionsAgain | ContactStage::Velocities => begun.push(contact.impulses),
+                ContactStage::Bounce => {
+                    contact.impulses = [0.0; MAX_CONTACT_ROWS];
+                    begun.push(contact.impulses);
+                }
+            }
+        }
+    }
+
+    /// Sets speeds, goals and responses to where the bodies and the joints' impulses are.
+    fn set_problem(&mut self, solver: &mut MechanismSolver, (half, stage): (Half, ContactStage), is_first: bool) {
+        let count = solver.bodies.len();
+        let Self { contacts, problem, beside, goals, .. } = self;
+        let mut first = 0;
+        problem.contacts.clear();
+        for contact in &*contacts {
+            let shape = contact.shape(first);
+            first += shape.rows();
+            problem.contacts.push(shape);
+        }
+        problem.resize();
+        problem.rest = REST * self.rounding / half.h;
+        solver.set_response();
+        if is_first {
+            goals.clear();
+        }
+        for (number, contact) in contacts.iter().enumerate() {
+            let shape = problem.contacts[number];
+            let speeds = contact.speeds(|end| match end.checked_sub(count) {
+                Some(beside_it) => DirectContact::velocities_of(&beside[beside_it]),
+                None => solver.velocities_to_be(end),
+            });
+            if is_first {
+                goals.push(contact.goals(&speeds, (half.h, stage), (self.rounding, self.threshold)));
+            }
+            let rows = shape.first..shape.first + shape.rows();
+            problem.impulses[rows.clone()].copy_from_slice(&contact.impulses[..shape.rows()]);
+            for (at, (speed, goal)) in rows.zip(speeds.iter().zip(&goals[number])) {
+                problem.may_push[at] = *goal > -f64::INFINITY;
+                problem.speeds[at] = if problem.may_push[at] { speed - goal } else { 0.0 };
+            }
+        }
+        self.set_responses(solver);
+        let n = self.problem.len();
+        let mass: f64 =
+            solver.bodies.iter().chain(&self.beside).filter(|body| body.is_moved()).map(MechanismBody::mass).sum();
+        let softness = SOFTNESS / mass;
+        for contact in &self.problem.contacts {
+            for row in 0..contact.rows() {
+                let at = contact.first + row;
+                // What joints hold against the push gives way to it, as if nothing held all bodies.
+                let held = 1.0 / mass - self.problem.responses[at * n + at];
+                let held = if row < contact.points { held.max(0.0) } else { 0.0 };
+                let softness = softness * contact.length(row).powi(2) + held;
+                self.problem.responses[at * n + at] += softness;
+                if row < contact.points && matches!(stage, ContactStage::Positions | ContactStage::PositionsAgain) {
+                    self.problem.speeds[at] += softness * self.problem.impulses[at];
+                }
+            }
+        }
+    }
+
+    /// Sets what an impulse along each row does to the speeds of all, with what joints do because
+    /// of it.
+    fn set_responses(&mut self, solver: &MechanismSolver) {
+        let count = solver.bodies.len();
+        let Self { contacts, problem, beside, by_contacts, .. } = self;
+        let n = problem.len();
+        solver.begin_responses(n, by_contacts);
+        for (contact, shape) in contacts.iter().zip(&problem.contacts) {
+            for row in 0..shape.rows() {
+                let velocities = contact.pushes(contact.row(row)).map(|(end, linear, torque)| {
+                    let body = solver.bodies.get(end).unwrap_or_else(|| &beside[end - count]);
+                    (end, [linear * body.inverse_mass(), body.times_inverse_inertia(torque)])
+                });
+                let at = shape.first + row;
+                for (other, of_other) in contacts.iter().zip(&problem.contacts) {
+                    if other.ends.iter().any(|end| contact.ends.contains(end)) {
+                        let speeds = other.speeds(|end| {
+                            let pushed = velocities.iter().find(|pushed| pushed.0 == end);
+                            pushed.map_or([Vec3::zero(); 2], |pushed| pushed.1)
+                        });
+                        let begin = at * n + of_other.first;
+                        problem.responses[begin..begin + of_other.rows()].copy_from_slice(&speeds[..of_other.rows()]);
+                    }
+                }
+                // What is beside the mechanism has no joints.
+                solver.set_push(at, &velocities, by_contacts);
+            }
+        }
+        solver.subtract_joints(by_contacts, &mut problem.responses, n);
+        for i in 0..n {
+            for j in 0..i {
+                problem.responses[j * n + i] = problem.responses[i * n + j];
+            }
+        }
+    }
+
+    /// Has impulses give no more energy than the restitution lets come back of what was taken.
+    fn limit_bounce(&mut self) {
+        let Self { contacts, problem, goals, .. } = self;
+        let n = problem.len();
+        // With the speeds before, and what the impulses add to them.
+        let (mut before, mut between) = (0.0, 0.0);
+        for (number, shape) in problem.contacts.iter().enumerate() {
+            for (at, goal) in (shape.first..shape.first + shape.rows()).zip(&goals[number]) {
+                let responses = &problem.responses[at * n..(at + 1) * n];
+                let added: f64 = responses.iter().zip(&problem.impulses).map(|(response, by)| response * by).sum();
+                before += problem.impulses[at] * (problem.speeds[at] + goal - added);
+                between += 0.5 * problem.impulses[at] * added;
+            }
+        }
+        let returned = |contact: &DirectContact| contact.restitution * contact.restitution * contact.absorbed.max(0.0);
+        let most: f64 = contacts.iter().map(returned).sum();
+        if before + between > most && between > 0.0 {
+            // The part with which `before s + between s^2` is the most.
+            let root = (before * before + 4.0 * between * most).sqrt();
+            let part = ((root - before) / (2.0 * between)).clamp(0.0, 1.0);
+            problem.impulses.iter_mut().for_each(|impulse| *impulse *= part);
+        }
+    }
+
+    /// Has the impulses of the solution act on the bodies.
+    fn take_solution(&mut self, solver: &mut MechanismSolver) {
+        let count = solver.bodies.len();
+        let Self { contacts, problem, beside, .. } = self;
+        for (contact, shape) in contacts.iter_mut().zip(&problem.contacts) {
+            let mut changes = [0.0; MAX_CONTACT_ROWS];
+            let solved = &problem.impulses[shape.first..shape.first + shape.rows()];
+            for ((change, impulse), solved) in changes.iter_mut().zip(&mut contact.impulses).zip(solved) {
+                *change = solved - *impulse;
+                *impulse = *solved;
+            }
+            contact.slides = shape.slides;
+            push(contact, &changes, (&mut solver.bodies, beside, count));
+        }
+    }
+
+    /// Notes what contacts did in the stage.
+    fn finish(&mut self, solver: &mut MechanismSolver, stage: ContactStage) {
+        let bounces = self.bounces() && stage != ContactStage::Bounce;
+        self.works.clear();
+        if !(self.has_accounts || bounces) {
+            return;
+        }
+        let count = solver.bodies.len();
+        let Self { contacts, beside, begun, works, changes, .. } = self;
+        let velocities = |solver: &MechanismSolver, end: usize| match end.checked_sub(count) {
+            Some(place) => DirectContact::velocities_of(&beside[place]),
+            None => solver.velocities_to_be(end),
+        };
+        solver.set_response();
+        let after: Vec<_> = contacts.iter().map(|contact| contact.ends.map(|end| velocities(solver, end))).collect();
+        let mut all = Vec::new();
+        changes.clear();
+        for (contact, begun) in contacts.iter().zip(&*begun) {
+            let mut change = contact.impulses;
+            change.iter_mut().zip(begun).for_each(|(change, begun)| *change -= begun);
+            all.extend(contact.pushes(contact.impulse(&change[..contact.shape(0).rows()])));
+            changes.push(change);
+        }
+        let (within, others): (Vec<_>, Vec<_>) = all.into_iter().partition(|push| push.0 < count);
+        let right = solver.right_side();
+        solver.respond(&within);
+        // What joints and contacts would have left without these impulses, and with them.
+        let added = |end: usize| match end.checked_sub(count) {
+            Some(place) => {
+                let sum = others
+                    .iter()
+                    .filter(|push| push.0 == end)
+                    .fold([Vec3::zero(); 2], |sum, push| [sum[0] + push.1, sum[1] + push.2]);
+                [sum[0] * beside[place].inverse_mass(), beside[place].times_inverse_inertia(sum[1])]
+            }
+            None => solver.response_of(end),
+        };
+        for ((contact, change), after) in contacts.iter().zip(&*changes).zip(after) {
+            let added = contact.ends.map(added);
+            let mean = |end: usize, which: usize| after[end][which] - added[end][which] * 0.5;
+            let work = |along: &[f64], end: usize| contact.work_on(end, along, [mean(end, 0), mean(end, 1)]);
+            let along = &change[..contact.shape(0).rows()];
+            let of_points = work(&along[..contact.points], 0) + work(&along[..contact.points], 1);
+            works.push(DirectWork { of_ends: [work(along, 0), work(along, 1)], of_points });
+        }
+        solver.set_right_side_to(&right);
+        if bounces {
+            self.note_impacts();
+        }
+    }
+
+    /// Notes what points have taken of the energy, and how fast they came.
+    fn note_impacts(&mut self) {
+        for (contact, work) in self.contacts.iter_mut().zip(&self.works) {
+            contact.absorbed -= work.of_points;
+            for j in 0..contact.points {
+                if contact.impulses[j] > 0.0 {
+                    contact.approach[j] = contact.approach[j].min(contact.met[j]);
+                }
+            }
+        }
+    }
+}
+
+impl DirectContact {
+    /// The speeds that its rows are to have, or more along the normal; minus infinity of a point
+    /// that may not push.
+    fn goals(
+        &self,
+        speeds: &[f64; MAX_CONTACT_ROWS],
+        (h, stage): (f64, ContactStage),
+        (rounding, threshold): (f64, f64),
+    ) -> [f64; MAX_CONTACT_ROWS] {
+        let mut goals = [0.0; MAX_CONTACT_ROWS];
+        let is_position = matches!(stage, ContactStage::Positions | ContactStage::PositionsAgain);
+        // Velocities are to vanish in the middle of a substep.
+        let sign = if is_position { -1.0 } else { 1.0 };
+        let rows = self.shape(0).rows();
+        for (row, goal) in goals.iter_mut().enumerate().take(rows).skip(self.points) {
+            let [push, _] = self.row(row);
+            *goal = push.dot(self.slip_reference) + (sign - 1.0) * push.dot(self.lag);
+        }
+        for (j, goal) in goals.iter_mut().enumerate().take(self.points) {
+            let (separation, near) = (self.separations[j], (self.separations[j] - rounding).max(0.0) / h);
+            let lag = sign * self.normal.dot(self.lag);
+            *goal = match stage {
+                ContactStage::Positions | ContactStage::PositionsAgain if separation > 0.0 => lag - near,
+                ContactStage::Positions | ContactStage::PositionsAgain => {
+                    let overlap = (-separation - rounding).max(0.0);
+                    lag + (PUSHED * overlap / h).min(MAX_PUSH) * self.steady
+                }
+                ContactStage::Velocities if self.is_of_ball && separation > 0.0 && self.impulses[j] <= 0.0 => {
+                    -f64::INFINITY
+                }
+                ContactStage::Velocities if self.impulses[j] > 0.0 => lag - near.min((lag - speeds[j]).max(0.0)),
+                ContactStage::Velocities => lag - near,
+                ContactStage::Bounce if self.approach[j] < -threshold && self.restitution > 0.0 => {
+                    -self.restitution * self.approach[j]
+                }
+                // What came slowly is not to be pushed in.
+                ContactStage::Bounce => (-near).min(speeds[j]),
+            };
+        }
+        goals
+    }
+}
+
+/// Has impulses along the rows of a contact act on its bodies.
+fn push(
+    contact: &DirectContact,
+    along: &[f64; MAX_CONTACT_ROWS],
+    (bodies, beside, count): (&mut [MechanismBody], &mut [MechanismBody], usize),
+) {
+    let rows = contact.shape(0).rows();
+    for (end, linear, torque) in contact.pushes(contact.impulse(&along[..rows])) {
+        let body = match end.checked_sub(count) {
+            Some(place) => &mut beside[place],
+            None => &mut bodies[end],
+        };
+        body.push(linear, Vec3::zero(), torque);
+    }
+}

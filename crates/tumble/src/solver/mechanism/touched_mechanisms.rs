@@ -1,0 +1,218 @@
+//! The mechanisms of a world that contacts act on: which contacts are direct, and the stages of a
+//! substep.
+
+use rayon::prelude::*;
+
+use crate::collision::contact::ContactRecord;
+use crate::math::Real;
+use crate::solver::contact::round_contacts::RoundConstraint;
+use crate::solver::contact_work::ContactWorks;
+use crate::solver::direct::direct_choice::{DirectChoice, Owner};
+use crate::solver::direct::direct_contact::DirectContact;
+use crate::solver::direct::direct_contacts::ContactStage;
+use crate::solver::direct::direct_group::DirectGroup;
+use crate::solver::mechanism::mechanism_body::MechanismBody;
+use crate::solver::mechanism::mechanisms::{Mechanism, Mechanisms};
+use crate::solver::solver_bodies::{SolverBodies, SolverRow};
+use crate::solver::substeps::GroupContact;
+use crate::threads::InParts;
+
+/// Overlaps up to this many roundings of a place are none.
+const ROUNDINGS: f64 = 4.0;
+
+impl Mechanisms {
+    /// Takes the contacts that are solved with the joints of touched mechanisms out of those of a
+    /// group.
+    pub(crate) fn take_direct(
+        &mut self,
+        (records, bodies): (&[ContactRecord], &SolverBodies),
+        (contacts, rounds): (&mut Vec<GroupContact>, &mut Vec<RoundConstraint>),
+        direct: &mut DirectGroup,
+    ) {
+        let mut choice = DirectChoice::new(records, contacts, bodies);
+        let touched = || (0..).zip(&self.mechanisms).filter(|(_, it)| it.is_touched);
+        for (number, it) in touched() {
+            choice.own(number, it.solver.bodies[..it.slots.len()].iter());
+        }
+        direct.clear();
+        for (number, mechanism) in (0..).zip(&mut self.mechanisms).filter(|(_, it)| it.is_touched) {
+            mechanism.begin_direct();
+            for place in choice.choose(number) {
+                let contact = contacts[place];
+                let ends = contact.rows.map(|row| match choice.owner(row) {
+                    Some(Owner { body: Some(body), .. }) => body as usize,
+                    _ => mechanism.beside(row, bodies),
+                });
+                mechanism.direct.contacts.push(DirectContact::new(ends));
+                mechanism.direct.numbers.push(direct.contacts.len() as u32);
+                direct.contacts.push(contact);
+            }
+        }
+        let mut places = 0..;
+        contacts.retain(|_| places.next().is_none_or(|place| !choice.is_direct(place)));
+        direct.rounds.extend(rounds.extract_if(.., |round| choice.is_number_direct(round.number())));
+        for owner in contacts.iter().flat_map(|contact| contact.rows).filter_map(|row| choice.owner(row)) {
+            self.mechanisms[owner.mechanism as usize].has_passes = true;
+        }
+    }
+
+    /// To be called before the first substep of touched mechanisms.
+    pub(crate) fn begin_touched(&mut self, (bodies, works): (&mut SolverBodies, &mut ContactWorks)) {
+        works.before_joints(bodies);
+        for mechanism in self.mechanisms.iter_mut().filter(|mechanism| mechanism.is_touched) {
+            mechanism.solver.begin();
+            mechanism.solver.bodies.iter().for_each(|body| body.write_momentum(bodies));
+        }
+        bodies.lock_responses();
+        works.after_joints(bodies);
+    }
+
+    /// Solves joints and direct contacts of touched mechanisms before their bodies move on for `h`
+    /// \[s\].
+    pub(crate) fn solve_positions(
+        &mut self,
+        (bodies, works): (&mut SolverBodies, &mut ContactWorks),
+        direct: &mut DirectGroup,
+        h: Real,
+    ) {
+        self.solve_stage((bodies, works), direct, (ContactStage::Positions, h));
+    }
+
+    /// The same again for those that have contacts in passes, after these have pushed.
+    pub(crate) fn solve_positions_again(
+        &mut self,
+        (bodies, works): (&mut SolverBodies, &mut ContactWorks),
+        direct: &mut DirectGroup,
+        h: Real,
+    ) {
+        self.solve_stage((bodies, works), direct, (ContactStage::PositionsAgain, h));
+    }
+
+    /// Takes out the velocities against the joints of touched mechanisms, and those with which
+    /// direct contacts come.
+    pub(crate) fn solve_velocities(
+        &mut self,
+        (bodies, works): (&mut SolverBodies, &mut ContactWorks),
+        direct: &mut DirectGroup,
+        h: Real,
+    ) {
+        self.solve_stage((bodies, works), direct, (ContactStage::Velocities, h));
+    }
+
+    /// Has direct contacts bounce after a substep of `h` \[s\] where they came faster than a
+    /// threshold \[m/s\].
+    pub(crate) fn bounce(
+        &mut self,
+        (bodies, works): (&mut SolverBodies, &mut ContactWorks),
+        direct: &mut DirectGroup,
+        (h, threshold): (Real, Real),
+    ) {
+        self.mechanisms.iter_mut().for_each(|it| it.direct.threshold = f64::from(threshold));
+        self.solve_stage((bodies, works), direct, (ContactStage::Bounce, h));
+    }
+
+    fn solve_stage(
+        &mut self,
+        (bodies, works): (&mut SolverBodies, &mut ContactWorks),
+        direct: &mut DirectGroup,
+        (stage, h): (ContactStage, Real),
+    ) {
+        let takes_part = |it: &Mechanism| {
+            it.is_touched
+                && match stage {
+                    ContactStage::Positions | ContactStage::Velocities => true,
+                    ContactStage::PositionsAgain => it.has_passes,
+                    ContactStage::Bounce => it.direct.bounces(),
+                }
+        };
+        for it in self.mechanisms.iter_mut().filter(|it| takes_part(it)) {
+            let moving = it.solver.bodies.iter_mut().take(it.slots.len());
+            moving.chain(&mut it.direct.beside).for_each(|body| body.read_motion(bodies));
+            it.direct.has_accounts = !works.is_empty();
+            for (contact, number) in it.direct.contacts.iter_mut().zip(&it.direct.numbers) {
+                direct.read(*number, contact);
+            }
+        }
+        works.before_joints(bodies);
+        let solving = self.mechanisms.par_iter_mut().by_at_least(1).filter(|it| takes_part(it));
+        solving.for_each(|it| it.solve(stage, f64::from(h)));
+        for it in self.mechanisms.iter_mut().filter(|it| takes_part(it)) {
+            if !it.is_sound {
+                continue;
+            }
+            let all = it.solver.bodies.iter().chain(&it.direct.beside);
+            all.for_each(|body| body.write_momentum(bodies));
+            for (contact, number) in it.direct.contacts.iter().zip(&it.direct.numbers) {
+                match stage {
+                    ContactStage::Positions | ContactStage::PositionsAgain => direct.write(*number, contact),
+                    ContactStage::Velocities => {
+                        direct.write(*number, contact);
+                        direct.add_to_total(*number, contact.normal_impulse());
+                    }
+                    ContactStage::Bounce => direct.add_to_total(*number, contact.normal_impulse()),
+                }
+            }
+        }
+        bodies.lock_responses();
+        works.after_joints(bodies);
+        for it in self.mechanisms.iter().filter(|it| takes_part(it) && it.is_sound) {
+            for (contact, of_ends) in it.direct.contacts.iter().zip(&it.direct.works) {
+                for (end, work) in contact.ends.into_iter().zip(of_ends.of_ends) {
+                    works.leave_to_contacts(it.row(end), work);
+                }
+            }
+        }
+    }
+}
+
+impl Mechanism {
+    /// Forgets the direct contacts of the last substep.
+    fn begin_direct(&mut self) {
+        let Self { direct, solver, .. } = self;
+        direct.contacts.clear();
+        direct.numbers.clear();
+        direct.beside.clear();
+        direct.works.clear();
+        self.has_passes = false;
+        let farthest = solver.bodies.iter().map(|body| {
+            let place = body.position();
+            place.x.abs().max(place.y.abs()).max(place.z.abs())
+        });
+        direct.rounding = ROUNDINGS * f64::from(Real::EPSILON) * farthest.fold(0.0, f64::max);
+    }
+
+    /// The number of a body that belongs to no mechanism, among this one's.
+    fn beside(&mut self, row: SolverRow, bodies: &SolverBodies) -> usize {
+        let Self { direct, solver, .. } = self;
+        let known = direct.beside.iter().position(|body| body.row == row);
+        let place = known.unwrap_or_else(|| {
+            direct.beside.push(MechanismBody::read(bodies, row, 0.0));
+            direct.beside.len() - 1
+        });
+        solver.bodies.len() + place
+    }
+
+    /// The solver's row of a body.
+    fn row(&self, end: usize) -> SolverRow {
+        let bodies = &self.solver.bodies;
+        bodies.get(end).unwrap_or_else(|| &self.direct.beside[end - bodies.len()]).row
+    }
+
+    /// Solves a stage of a substep of `h` \[s\].
+    fn solve(&mut self, stage: ContactStage, h: f64) {
+        let Self { solver, direct, is_sound, .. } = self;
+        solver.update_rows();
+        match stage {
+            ContactStage::Positions => solver.solve_once(h, direct, stage),
+            ContactStage::PositionsAgain => {
+                solver.take_back();
+                solver.solve_once(h, direct, stage);
+            }
+            ContactStage::Velocities | ContactStage::Bounce => solver.solve_velocities_once(h, direct, stage),
+        }
+        *is_sound = solver.bodies.iter().chain(&direct.beside).all(MechanismBody::is_finite);
+        if !*is_sound {
+            solver.forget_impulses();
+        }
+    }
+}
