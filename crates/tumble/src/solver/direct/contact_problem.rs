@@ -53,8 +53,8 @@ pub(crate) struct ContactProblem {
 /// Steps of Newton's method, at most; sweeps before the first, and before another, at most.
 const MAX_ROUNDS: u32 = 24;
 const FIRST_SWEEPS: u32 = 2;
-const MAX_SWEEPS: u32 = 32;
-const LAST_SWEEPS: u32 = 100;
+const MAX_SWEEPS: u32 = 8;
+const LAST_SWEEPS: u32 = 50;
 /// How often a sweep goes through the rows of a contact, at most, and until they change by this
 /// part of what they did first.
 const MAX_LOCAL: u32 = 8;
@@ -62,7 +62,7 @@ const LOCAL_TOLERANCE: f64 = 1e-3;
 /// What a step leaves of the change of a sweep, at most, if it is kept.
 const KEPT: f64 = 0.9;
 /// What a sweep changes of speeds where impulses are found, of the greatest that there were.
-const TOLERANCE: f64 = 1e-10;
+const TOLERANCE: f64 = 1e-9;
 
 impl ContactShape {
     /// How many rows it has.

@@ -61,7 +61,7 @@ const MAX_REPEATS: u32 = 4;
 /// mass as that of all bodies: redundant ones share it.
 const SOFTNESS: f64 = 1e-4;
 /// What is slower moves less than this many roundings of a place in a substep, and is at rest.
-const REST: f64 = 1e-3;
+const REST: f64 = 1e-2;
 /// The part of an overlap that is pushed out in a substep.
 const PUSHED: f64 = 0.2;
 /// Fastest that overlapping bodies are pushed apart \[m/s\].
