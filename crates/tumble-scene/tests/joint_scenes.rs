@@ -443,3 +443,17 @@ fn the_figure_falls_and_lies_within_its_limits() {
     assert!(rise < 1e-3 * run.start(), "{rise:e}");
     assert!(fastest < 1e-2 && highest < 0.6, "{fastest} {highest}");
 }
+
+#[test]
+fn the_robot_lands_on_its_light_feet_and_stands() {
+    let mut run = Run::of("robot");
+    let Falling { rise, gap, fastest, .. } = run.falls();
+    assert!(gap < 2e-3, "{gap:e}");
+    assert!(rise < 1e-3 * run.start(), "{rise:e}");
+    assert!(fastest < 1e-3, "{fastest:e}");
+    for foot in ["left-foot", "right-foot"] {
+        let height = run.place(foot).y;
+        assert!((height - 0.02).abs() < 1e-4, "{foot}: {height}");
+    }
+    assert!(run.place("trunk").y > 1.1);
+}
