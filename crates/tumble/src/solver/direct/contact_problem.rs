@@ -51,10 +51,13 @@ pub(crate) struct ContactProblem {
 }
 
 /// Steps of Newton's method, at most; sweeps before the first, and before another, at most.
-const MAX_ROUNDS: u32 = 24;
+const MAX_ROUNDS: u32 = 10;
 const FIRST_SWEEPS: u32 = 2;
 const MAX_SWEEPS: u32 = 8;
-const LAST_SWEEPS: u32 = 50;
+const LAST_SWEEPS: u32 = 20;
+/// After this many steps a coarser solution does, by this factor.
+const FEW_ROUNDS: u32 = 2;
+const COARSE: f64 = 100.0;
 /// How often a sweep goes through the rows of a contact, at most, and until they change by this
 /// part of what they did first.
 const MAX_LOCAL: u32 = 8;
@@ -138,9 +141,9 @@ impl ContactProblem {
         self.set_start();
         self.invert_friction();
         let (mut sweeps, mut least) = (FIRST_SWEEPS, f64::INFINITY);
-        for _ in 0..MAX_ROUNDS {
+        for round in 0..MAX_ROUNDS {
             let left = (0..sweeps).fold(f64::INFINITY, |_, _| self.sweep());
-            if left <= tolerance {
+            if left <= if round < FEW_ROUNDS { tolerance } else { COARSE * tolerance } {
                 return;
             }
             self.before.clone_from(&self.impulses);
@@ -304,7 +307,7 @@ impl ContactProblem {
         for (row, wanted) in rows.zip(wanted) {
             let change = wanted * part - self.impulses[row];
             self.add_within(contact, row, change);
-            most = most.max((change * self.response(row, row)).abs());
+            most = most.max((change * self.response(row, row)).abs() * contact.rolling);
         }
         most
     }
@@ -327,7 +330,7 @@ impl ContactProblem {
         for (row, wanted) in rows.zip(wanted).take(count) {
             let change = wanted - self.impulses[row];
             self.add_within(contact, row, change);
-            most = most.max((change * self.response(row, row)).abs());
+            most = most.max((change * self.response(row, row)).abs() / contact.scale(row));
         }
         most
     }

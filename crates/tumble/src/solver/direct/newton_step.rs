@@ -13,7 +13,7 @@ pub(super) struct NewtonStep {
 }
 
 /// Points that carry no more, at most.
-const MAX_BOUNDS: u32 = 16;
+const MAX_BOUNDS: u32 = 4;
 
 impl ContactProblem {
     /// Finds a step of Newton's method for the equations of the points that carry, of friction and
