@@ -222,7 +222,7 @@ fn bodies_of_joints_that_are_gone_move_without_them() {
                 (dvec3(pose.position), dvec3(world.get::<&Velocity>(body).unwrap().linear))
             });
             let (apart, faster) = ((a.0 - b.0).length(), (a.1 - b.1).length());
-            // Without joints they lie on soft contacts, which give way by up to 2.8e-4 m between bodies.
+            // Without joints they lie on contacts that give way by up to 2.8e-4 m between bodies.
             assert!(apart < 4e-4 && faster < 2e-2, "case {case}, {going:?}: {apart:e} m, {faster:e} m/s");
         }
     }
