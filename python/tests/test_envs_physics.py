@@ -252,6 +252,7 @@ def test_an_action_moves_the_servo_it_is_for() -> None:
     actions = (0.4 * np.eye(8)).astype(np.float32)
     env.step(actions)
     assert np.allclose(env.batch.drive_positions, quadruped_module.REACH * actions)
-    for _ in range(14):
+    # A hip waits until its foot, which friction holds, lets go.
+    for _ in range(39):
         observed, *_ = env.step(actions)
     assert (observed[:, 13:21].argmax(axis=1) == np.arange(8)).all()
