@@ -7,6 +7,8 @@
 //! formulation for frictional contact problems prone to Newton like solution methods", 1991), and
 //! is kept where it leads on.
 
+use std::ops::Range;
+
 use crate::solver::direct::dense;
 use crate::solver::direct::direct_contact::MAX_CONTACT_ROWS;
 use crate::solver::direct::newton_step::NewtonStep;
@@ -46,6 +48,9 @@ pub(crate) struct ContactProblem {
     /// Impulses before a step, and those from which a sweep changed least.
     before: Vec<f64>,
     best: Vec<f64>,
+    /// By contact, whether it slid before a step.
+    slid_before: Vec<bool>,
+    /// The speeds without impulses.
     start: Vec<f64>,
     pub(super) step: NewtonStep,
 }
@@ -70,7 +75,7 @@ const TOLERANCE: f64 = 1e-9;
 impl ContactShape {
     /// How many rows it has.
     pub(crate) fn rows(&self) -> usize {
-        self.points + self.tangential()
+        self.points + self.friction_rows() + if self.rolling > 0.0 { 2 } else { 0 }
     }
 
     /// How many of friction against sliding and twisting.
@@ -78,38 +83,35 @@ impl ContactShape {
         if self.radius > 0.0 { 3 } else { 2 }
     }
 
-    fn tangential(&self) -> usize {
-        self.friction_rows() + if self.rolling > 0.0 { 2 } else { 0 }
-    }
-
-    pub(super) fn normals(&self) -> std::ops::Range<usize> {
+    pub(super) fn normals(&self) -> Range<usize> {
         self.first..self.first + self.points
     }
 
     /// The rows of friction.
-    pub(super) fn sliding(&self) -> std::ops::Range<usize> {
+    pub(super) fn sliding(&self) -> Range<usize> {
         let begin = self.first + self.points;
         begin..begin + self.friction_rows()
     }
 
     /// The rows of rolling resistance.
-    pub(super) fn rolling(&self) -> std::ops::Range<usize> {
+    pub(super) fn rolling(&self) -> Range<usize> {
         let begin = self.sliding().end;
         begin..self.first + self.rows()
     }
 
-    /// What makes a linear speed of that of a row: a length for rows that turn \[m\].
-    pub(crate) fn length(&self, row: usize) -> f64 {
-        match row.checked_sub(self.points) {
-            None | Some(0 | 1) => 1.0,
-            Some(2) if self.radius > 0.0 => 1.0 / self.radius,
-            Some(_) => 1.0 / self.rolling,
+    /// The length with which the speed of a row is a linear one: one for rows that push along a
+    /// line \[m\].
+    pub(super) fn length(&self, row: usize) -> f64 {
+        match row - self.first {
+            row if row < self.points + 2 => 1.0,
+            row if row < self.points + self.friction_rows() => self.radius,
+            _ => self.rolling,
         }
     }
 
-    /// What an impulse along a row of friction counts as: of a twist, over the radius.
-    pub(super) fn scale(&self, row: usize) -> f64 {
-        if row - self.sliding().start == 2 { 1.0 / self.radius } else { 1.0 }
+    /// What impulses along a row count as beside those along a line [1/m].
+    pub(crate) fn scale(&self, row: usize) -> f64 {
+        1.0 / self.length(row)
     }
 }
 
@@ -151,7 +153,8 @@ impl ContactProblem {
                 least = left;
                 self.best.clone_from(&self.impulses);
             }
-            let slides: Vec<_> = self.contacts.iter().map(|contact| contact.slides).collect();
+            self.slid_before.clear();
+            self.slid_before.extend(self.contacts.iter().map(|contact| contact.slides));
             let value = self.value();
             sweeps = (2 * sweeps).min(MAX_SWEEPS);
             for is_whole in [true, false] {
@@ -171,7 +174,8 @@ impl ContactProblem {
                     break;
                 }
                 self.go_back(|it| &it.before);
-                self.contacts.iter_mut().zip(&slides).for_each(|(contact, slides)| contact.slides = *slides);
+                let contacts = self.contacts.iter_mut().zip(&self.slid_before);
+                contacts.for_each(|(contact, slides)| contact.slides = *slides);
             }
         }
         self.go_back(|it| &it.best);
@@ -211,12 +215,17 @@ impl ContactProblem {
     /// Adds to an impulse.
     pub(super) fn add(&mut self, row: usize, change: f64) {
         if change != 0.0 {
-            let n = self.len();
             self.impulses[row] += change;
-            // Responses are symmetric.
-            let responses = &self.responses[row * n..(row + 1) * n];
-            self.speeds.iter_mut().zip(responses).for_each(|(speed, response)| *speed += response * change);
+            self.spread(row, change, 0..self.len());
         }
+    }
+
+    /// Lets the speeds of some rows follow a change of an impulse.
+    fn spread(&mut self, row: usize, change: f64, others: Range<usize>) {
+        let n = self.len();
+        // Responses are symmetric.
+        let responses = &self.responses[row * n..(row + 1) * n][others.clone()];
+        self.speeds[others].iter_mut().zip(responses).for_each(|(speed, response)| *speed += response * change);
     }
 
     pub(super) fn response(&self, row: usize, other: usize) -> f64 {
@@ -250,27 +259,23 @@ impl ContactProblem {
             for (row, before) in rows.clone().zip(before) {
                 let change = self.impulses[row] - before;
                 if change != 0.0 {
-                    let n = self.len();
-                    let responses = &self.responses[row * n..(row + 1) * n];
-                    for others in [0..rows.start, rows.end..n] {
-                        let others = self.speeds[others.clone()].iter_mut().zip(&responses[others]);
-                        others.for_each(|(speed, response)| *speed += response * change);
-                    }
+                    self.spread(row, change, 0..rows.start);
+                    self.spread(row, change, rows.end..self.len());
                 }
             }
         }
         most
     }
 
-    /// Adds to an impulse, of which only its own contact's speeds know yet.
-    fn add_within(&mut self, contact: &ContactShape, row: usize, change: f64) {
+    /// Sets an impulse, and for now lets only the speeds of its own contact follow; returns the
+    /// change of its own speed, as a linear one.
+    fn set_within(&mut self, contact: &ContactShape, row: usize, impulse: f64) -> f64 {
+        let change = impulse - self.impulses[row];
         if change != 0.0 {
-            let n = self.len();
             self.impulses[row] += change;
-            let rows = contact.first..contact.first + contact.rows();
-            let responses = &self.responses[row * n..(row + 1) * n][rows.clone()];
-            self.speeds[rows].iter_mut().zip(responses).for_each(|(speed, response)| *speed += response * change);
+            self.spread(row, change, contact.first..contact.first + contact.rows());
         }
+        (change * self.response(row, row)).abs() * contact.length(row)
     }
 
     /// Goes through the rows of a contact once, for the speeds of its own rows; returns the
@@ -281,9 +286,7 @@ impl ContactProblem {
             let response = self.response(row, row);
             let wanted = self.impulses[row] - self.speeds[row] / response;
             let wanted = if response > 0.0 && self.may_push[row] { wanted.max(0.0) } else { 0.0 };
-            let change = wanted - self.impulses[row];
-            self.add_within(contact, row, change);
-            most = most.max((change * response).abs());
+            most = most.max(self.set_within(contact, row, wanted));
         }
         let normal = self.normal(contact);
         if contact.rolling > 0.0 {
@@ -294,45 +297,25 @@ impl ContactProblem {
 
     /// Takes out as much of the rolling as a limit allows; returns the greatest change of a speed.
     fn limit_rolling(&mut self, contact: &ContactShape, limit: f64) -> f64 {
-        let rows = contact.rolling();
-        let trace: f64 = rows.clone().map(|row| self.response(row, row)).sum();
-        let rate = if trace > 0.0 { 1.0 / trace } else { 0.0 };
-        let wanted: [f64; 2] = std::array::from_fn(|k| {
-            let row = rows.start + k;
-            self.impulses[row] - rate * self.speeds[row]
-        });
-        let length = (wanted[0] * wanted[0] + wanted[1] * wanted[1]).sqrt();
-        let part = if length > limit { limit / length } else { 1.0 };
-        let mut most = 0.0_f64;
-        for (row, wanted) in rows.zip(wanted) {
-            let change = wanted * part - self.impulses[row];
-            self.add_within(contact, row, change);
-            most = most.max((change * self.response(row, row)).abs() * contact.rolling);
-        }
-        most
+        let wanted = self.limited(contact.rolling(), |_| 1.0, limit);
+        let rows = contact.rolling().zip(wanted);
+        rows.fold(0.0, |most, (row, wanted)| most.max(self.set_within(contact, row, wanted)))
     }
 
     /// Takes out as much of sliding and twisting as friction allows for a normal impulse; returns
     /// the greatest change of a speed.
     fn limit_friction(&mut self, contact: &mut ContactShape, normal: f64) -> f64 {
-        let rows = contact.sliding();
-        let count = rows.len();
         let [hold, slide] = contact.friction.map(|friction| friction * normal);
         let wanted = if normal > 0.0 {
             let (held, size) = self.held(contact);
             contact.slides = size > if contact.slides { slide } else { hold };
-            if contact.slides { self.slid(contact, slide) } else { held }
+            if contact.slides { self.limited(contact.sliding(), |row| contact.scale(row), slide) } else { held }
         } else {
             contact.slides = false;
             [0.0; 3]
         };
-        let mut most = 0.0_f64;
-        for (row, wanted) in rows.zip(wanted).take(count) {
-            let change = wanted - self.impulses[row];
-            self.add_within(contact, row, change);
-            most = most.max((change * self.response(row, row)).abs() / contact.scale(row));
-        }
-        most
+        let rows = contact.sliding().zip(wanted);
+        rows.fold(0.0, |most, (row, wanted)| most.max(self.set_within(contact, row, wanted)))
     }
 
     /// The impulses with which nothing slides or twists, and how large they are together.
@@ -344,7 +327,7 @@ impl ContactProblem {
             let change: f64 = inverse.iter().zip(speeds).map(|(inverse, speed)| inverse * speed).sum();
             *held = impulse - change;
         }
-        (held, self.size(contact, &held))
+        (held, size(contact.sliding(), |row| contact.scale(row), &held))
     }
 
     /// Sets the inverses of the responses of friction in each contact.
@@ -367,26 +350,29 @@ impl ContactProblem {
         }
     }
 
-    /// How large impulses of friction are together.
-    fn size(&self, contact: &ContactShape, impulses: &[f64; 3]) -> f64 {
-        let squares = contact.sliding().zip(impulses).map(|(row, impulse)| (impulse * contact.scale(row)).powi(2));
-        squares.sum::<f64>().sqrt()
+    /// How far impulses of up to three rows go against a speed of one, in impulses that count
+    /// alike.
+    pub(super) fn rate(&self, rows: Range<usize>, scale: impl Fn(usize) -> f64) -> f64 {
+        let trace: f64 = rows.map(|row| self.response(row, row) * (1.0 / scale(row)).powi(2)).sum();
+        if trace > 0.0 { 1.0 / trace } else { 0.0 }
     }
 
-    /// The impulses at the limit against what slides: the limit of which a step against the
-    /// velocity leads furthest.
-    fn slid(&self, contact: &ContactShape, limit: f64) -> [f64; 3] {
-        let rows = contact.sliding();
-        // In impulses that count alike.
-        let trace: f64 = rows.clone().map(|row| self.response(row, row) * (1.0 / contact.scale(row)).powi(2)).sum();
-        let rate = if trace > 0.0 { 1.0 / trace } else { 0.0 };
+    /// The impulses to which a step against the velocity of up to three rows leads, within a limit
+    /// for all of them.
+    fn limited(&self, rows: Range<usize>, scale: impl Fn(usize) -> f64, limit: f64) -> [f64; 3] {
+        let rate = self.rate(rows.clone(), &scale);
         let mut wanted = [0.0; 3];
-        for (wanted, row) in wanted.iter_mut().zip(rows) {
-            let scale = contact.scale(row);
+        for (wanted, row) in wanted.iter_mut().zip(rows.clone()) {
+            let scale = scale(row);
             *wanted = self.impulses[row] - rate * self.speeds[row] / (scale * scale);
         }
-        let size = self.size(contact, &wanted);
+        let size = size(rows, scale, &wanted);
         let part = if size > limit { limit / size } else { 1.0 };
         wanted.map(|wanted| wanted * part)
     }
+}
+
+/// How large impulses of some rows are together.
+fn size(rows: Range<usize>, scale: impl Fn(usize) -> f64, impulses: &[f64; 3]) -> f64 {
+    rows.zip(impulses).map(|(row, impulse)| (impulse * scale(row)).powi(2)).sum::<f64>().sqrt()
 }

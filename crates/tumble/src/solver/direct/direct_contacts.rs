@@ -160,7 +160,7 @@ impl DirectContacts {
                 // What joints hold against the push gives way to it, as if nothing held all bodies.
                 let held = 1.0 / mass - self.problem.responses[at * n + at];
                 let held = if row < contact.points { held.max(0.0) } else { 0.0 };
-                let softness = softness * contact.length(row).powi(2) + held;
+                let softness = softness * contact.scale(at).powi(2) + held;
                 self.problem.responses[at * n + at] += softness;
                 if row < contact.points && matches!(stage, ContactStage::Positions | ContactStage::PositionsAgain) {
                     self.problem.speeds[at] += softness * self.problem.impulses[at];

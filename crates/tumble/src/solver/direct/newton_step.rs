@@ -1,5 +1,7 @@
 //! Steps of Newton's method for the impulses of contacts.
 
+use std::ops::Range;
+
 use crate::solver::direct::contact_problem::{ContactProblem, ContactShape};
 use crate::solver::direct::dense;
 
@@ -43,8 +45,9 @@ impl ContactProblem {
                 self.set_speed_equation(row, (free, matrix, right));
             }
             let [hold, slide] = contact.friction;
-            self.set_equations(contact, sliding, if contact.slides { slide } else { hold }, (free, matrix, right));
-            self.set_equations(contact, rolling, contact.rolling, (free, matrix, right));
+            let limit = if contact.slides { slide } else { hold };
+            self.set_equations(contact, (sliding, |row| contact.scale(row), limit), (free, matrix, right));
+            self.set_equations(contact, (rolling, |_| 1.0, contact.rolling), (free, matrix, right));
         }
         dense::solve(matrix, right);
         self.step = step;
@@ -80,15 +83,13 @@ impl ContactProblem {
     fn set_equations(
         &self,
         contact: &ContactShape,
-        rows: std::ops::Range<usize>,
-        limit: f64,
+        (rows, scale, limit): (Range<usize>, impl Fn(usize) -> f64, f64),
         (free, matrix, right): (&[usize], &mut [f64], &mut [f64]),
     ) {
         let (m, count, first) = (free.len(), rows.len(), rows.start);
         let Ok(place) = free.binary_search(&first) else { return };
-        let scale = |k: usize| if k == 2 { 1.0 / contact.radius } else { 1.0 };
-        let trace: f64 = (0..count).map(|k| self.response(first + k, first + k) / scale(k).powi(2)).sum();
-        let rate = if trace > 0.0 { 1.0 / trace } else { 0.0 };
+        let rate = self.rate(rows.clone(), &scale);
+        let scale = |k: usize| scale(first + k);
         let impulse = |k: usize| self.impulses[first + k] * scale(k);
         let step: [f64; 3] =
             std::array::from_fn(
