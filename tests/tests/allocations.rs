@@ -16,9 +16,13 @@ use std::sync::Barrier;
 use alloc_tracker::{Allocator, Session};
 use hecs::World;
 use rayon::{ThreadPool, ThreadPoolBuilder};
-use tumble::{BodyOrder, BodyState, ForceLaw, Gear, Integrator, Ledger, Rollback, Settings, Simulation, Wrench};
+use tumble::math::{Quat, Real, Vec3};
+use tumble::{
+    Axes, BodyOrder, BodyState, Drive, Drives, ForceLaw, Gear, Integrator, Joint, Ledger, Material, RigidBody,
+    Rollback, Settings, Shape, Simulation, Wrench,
+};
 use tumble_benches::{mixed_bodies, tumbling_boxes};
-use tumble_tests::Draw;
+use tumble_tests::{Draw, touching};
 
 #[global_allocator]
 static ALLOCATOR: Allocator<std::alloc::System> = Allocator::system();
@@ -69,6 +73,25 @@ fn pyramid() -> World {
     tumble_benches::pyramid(8)
 }
 
+/// Trunks on feet by hinges with servos: contacts that are solved with joints, and may bounce.
+fn standing_robots() -> World {
+    let mut world = World::new();
+    let material = Material::new(0.6, 0.5);
+    touching::ground(&mut world, material, Quat::IDENTITY);
+    for number in 0..20 {
+        let at = Vec3::X * (2.0 * number as Real);
+        let [foot, trunk] = [([0.3, 0.05, 0.2], 0.5, 0.05), ([0.15, 0.4, 0.15], 58.0, 0.5)].map(|(half, mass, up)| {
+            let shape = Shape::cuboid(half);
+            let body = RigidBody::new(shape.clone()).mass(mass).position(at + Vec3::Y * up);
+            touching::spawn(&mut world, body, touching::surfaced(touching::collider(&shape), material))
+        });
+        let hinge = Joint::hinge(foot, trunk).at(&world, at + Vec3::Y * 0.1, Vec3::Z).unwrap();
+        let servo = Drive::position(Axes::ANGULAR_X, 0.0).with_stiffness(1e5, 1e4);
+        world.spawn((hinge, Drives::from(servo)));
+    }
+    world
+}
+
 /// With everything that can act, in several parts of springs and of masses.
 fn coupled_bodies() -> World {
     coupled::plain_scene(coupled::Kinds::All)
@@ -91,7 +114,7 @@ fn wake(pool: &ThreadPool) {
 
 fn count_steps(session: &Session) {
     type Scene = fn() -> World;
-    let scenes: [(&str, Scene); 13] = [
+    let scenes: [(&str, Scene); 15] = [
         ("empty", World::new),
         ("one", || tumbling_boxes(1)),
         ("boxes", || tumbling_boxes(20_000)),
@@ -105,6 +128,8 @@ fn count_steps(session: &Session) {
         ("asleep", pyramid),
         ("jointed", jointed_bodies),
         ("jointed and booked", jointed_bodies),
+        ("standing", standing_robots),
+        ("standing and booked", standing_robots),
     ];
     for threads in [1, 2] {
         let pool = ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -123,7 +148,8 @@ fn count_steps(session: &Session) {
                 }
                 let counted = session.operation(format!("{name}, {integrator}, {threads} threads"));
                 pool.install(|| {
-                    simulation.step_many(&mut world, if sleep.is_some() { 120 } else { 1 });
+                    let settles = sleep.is_some() || name.starts_with("standing");
+                    simulation.step_many(&mut world, if settles { 120 } else { 1 });
                     assert_eq!(simulation.sleeping_bodies().count() > 0, sleep.is_some());
                     let _counting = counted.measure_process();
                     for _ in 0..10 {

@@ -160,7 +160,7 @@ fn it_carries_a_heavy_crate() {
     }
 }
 
-/// Two halves of a box welded together, or by turns the whole box.
+/// Two halves of a box welded together, or the whole box.
 fn block(rig: &mut Rig, half: DVec3, mass: f64, (at, turn): (DVec3, DQuat), material: Material, whole: bool) -> Entity {
     if whole {
         return cuboid(rig, half, mass, at, turn, material);

@@ -39,6 +39,8 @@ pub(crate) struct ContactConstraints {
     row_colors: RowColors,
     /// Of the round contacts.
     places: Vec<Place>,
+    /// Of all contacts, by their numbers.
+    all_places: Vec<Place>,
 }
 
 /// Blocks of contacts of up to `P` points, and what only some have: for all blocks, or for none.
@@ -75,7 +77,7 @@ enum Sheet {
 
 /// Where a contact is laid out.
 #[derive(Clone, Copy, Default)]
-pub(crate) struct Place {
+struct Place {
     sheet: Sheet,
     block: usize,
     lane: usize,
@@ -212,13 +214,11 @@ impl ContactConstraints {
     /// Finds out where the contacts with these numbers, in their order, are laid out.
     pub(crate) fn locate(&mut self, contacts: usize, rounds: &[RoundConstraint]) {
         self.places.clear();
-        if rounds.is_empty() {
-            return;
+        if !rounds.is_empty() {
+            self.place_all(contacts);
+            let Self { places, all_places, .. } = self;
+            places.extend(rounds.iter().map(|round| all_places[round.number() as usize]));
         }
-        let mut places = vec![Place::default(); contacts];
-        self.ones.places(Sheet::Ones, &mut places);
-        self.fours.places(Sheet::Fours, &mut places);
-        self.places.extend(rounds.iter().map(|round| places[round.number() as usize]));
     }
 
     /// Finds round contacts again after their bodies have moved.
@@ -233,12 +233,18 @@ impl ContactConstraints {
         }
     }
 
-    /// Where contacts are laid out, in their order.
-    pub(crate) fn places_of(&self, all: usize, contacts: &[GroupContact]) -> Vec<Place> {
-        let mut places = vec![Place::default(); all];
-        self.ones.places(Sheet::Ones, &mut places);
-        self.fours.places(Sheet::Fours, &mut places);
-        contacts.iter().map(|contact| places[contact.number as usize]).collect()
+    /// Finds out where the contacts of the group are laid out, of this many.
+    pub(crate) fn place_all(&mut self, contacts: usize) {
+        let Self { ones, fours, all_places, .. } = self;
+        all_places.clear();
+        all_places.resize(contacts, Place::default());
+        ones.places(Sheet::Ones, all_places);
+        fours.places(Sheet::Fours, all_places);
+    }
+
+    /// Where the contact with a number is laid out.
+    fn place(&self, number: u32) -> Place {
+        self.all_places[number as usize]
     }
 
     /// Makes room for what [`SolverStage::Follow`] finds.
@@ -247,26 +253,27 @@ impl ContactConstraints {
         self.fours.make_room_for_lags();
     }
 
-    /// Reads a contact and its impulses.
-    pub(crate) fn read_direct(&mut self, place: Place, contact: &mut DirectContact) {
-        let Place { sheet, block, lane } = place;
+    /// Reads the contact with a number, and its impulses.
+    pub(crate) fn read_direct(&mut self, number: u32, contact: &mut DirectContact) {
+        let Place { sheet, block, lane } = self.place(number);
         match sheet {
             Sheet::Ones => direct_lanes::read(contact, (&self.ones.blocks(&(block..block + 1)), 0, lane)),
             Sheet::Fours => direct_lanes::read(contact, (&self.fours.blocks(&(block..block + 1)), 0, lane)),
         }
     }
 
-    /// Writes the impulses of a contact.
-    pub(crate) fn write_direct(&mut self, place: Place, contact: &DirectContact) {
-        let Place { sheet, block, lane } = place;
+    /// Writes the impulses of the contact with a number.
+    pub(crate) fn write_direct(&mut self, number: u32, contact: &DirectContact) {
+        let Place { sheet, block, lane } = self.place(number);
         match sheet {
             Sheet::Ones => direct_lanes::write(contact, (&mut self.ones.blocks(&(block..block + 1)), 0, lane)),
             Sheet::Fours => direct_lanes::write(contact, (&mut self.fours.blocks(&(block..block + 1)), 0, lane)),
         }
     }
 
-    /// Adds to what a contact did along the normal \[N s\].
-    pub(crate) fn add_to_total(&mut self, Place { sheet, block, lane }: Place, normal: f64) {
+    /// Adds to what the contact with a number did along the normal \[N s\].
+    pub(crate) fn add_to_total(&mut self, number: u32, normal: f64) {
+        let Place { sheet, block, lane } = self.place(number);
         let total = match sheet {
             Sheet::Ones => &mut self.ones.blocks[block].start.total_impulse[lane],
             Sheet::Fours => &mut self.fours.blocks[block].start.total_impulse[lane],

@@ -10,6 +10,7 @@ use crate::solver::contact::ball_collision::BallCollision;
 use crate::solver::contact::restitution::SubstepMoment;
 use crate::solver::contact::round_contacts::RoundConstraint;
 use crate::solver::contact_work::ContactWorks;
+use crate::solver::direct::direct_contacts::ContactStage;
 use crate::solver::direct::direct_group::DirectGroup;
 use crate::solver::gather_scatter::{Constraints, ForceInputs, gather};
 use crate::solver::halved_substeps::HalvedGroup;
@@ -230,11 +231,11 @@ impl SolverGroup {
             }
             bodies.apply_warm_start();
             if let Some(mechanisms) = &mut mechanisms {
-                mechanisms.solve_positions((bodies, contact_works), direct, h);
+                mechanisms.solve_stage((bodies, contact_works), direct, (ContactStage::Positions, h));
             }
             constraints.run(solve, bodies);
             if let Some(mechanisms) = &mut mechanisms {
-                mechanisms.solve_positions_again((bodies, contact_works), direct, h);
+                mechanisms.solve_stage((bodies, contact_works), direct, (ContactStage::PositionsAgain, h));
             }
             bodies.settle_locked();
             ball_collisions.iter_mut().for_each(|it| it.after_impulses(bodies, begin));
@@ -247,7 +248,7 @@ impl SolverGroup {
             }
             direct.follow(bodies, h, extras);
             if let Some(mechanisms) = &mut mechanisms {
-                mechanisms.solve_velocities((bodies, contact_works), direct, h);
+                mechanisms.solve_stage((bodies, contact_works), direct, (ContactStage::Velocities, h));
             }
             constraints.run(SolverStage::Relax { h, impact_speed, stores_warm_start: substep + 1 < substeps }, bodies);
             contact_works.after_substep(bodies);
@@ -256,7 +257,8 @@ impl SolverGroup {
         if extras.bounces {
             constraints.run(SolverStage::ApplyRestitution(threshold), bodies);
             if let Some(mechanisms) = &mut mechanisms {
-                mechanisms.bounce((bodies, contact_works), direct, (h, threshold));
+                let stage = ContactStage::Bounce(threshold.into());
+                mechanisms.solve_stage((bodies, contact_works), direct, (stage, h));
             }
         }
         bodies.settle_locked();

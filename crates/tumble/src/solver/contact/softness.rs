@@ -65,4 +65,4 @@ impl Softness {
 }
 
 /// Fastest that overlapping bodies are pushed apart \[m/s\].
-const MAX_PUSH: f64 = 3.0;
+pub(crate) const MAX_PUSH: f64 = 3.0;

@@ -5,7 +5,7 @@
 //! one of them zero. Sweeps go from contact to contact. Between them a step of Newton's method
 //! takes the equations of what carries and slides together (P. Alart, A. Curnier, "A mixed
 //! formulation for frictional contact problems prone to Newton like solution methods", 1991), and
-//! is kept where it leads on.
+//! is kept where it brings the speeds nearer.
 
 use std::ops::Range;
 

@@ -9,6 +9,7 @@
 
 use crate::collision::contact::ContactRecord;
 use crate::math::Real;
+use crate::solver::direct::contact_problem::ContactShape;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
 use crate::solver::substeps::GroupContact;
@@ -24,40 +25,89 @@ pub(crate) struct Owner {
     pub(crate) body: Option<u32>,
 }
 
-/// The contacts of a group, and which of them have been chosen.
-pub(crate) struct DirectChoice<'a> {
-    records: &'a [ContactRecord],
-    numbers: Vec<u32>,
-    rows: Vec<[SolverRow; 2]>,
-    bodies: &'a SolverBodies,
+/// Which contacts of a group have been chosen; its memory is kept from step to step.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct DirectChoice {
+    /// By the solver's row.
     owners: Vec<Option<Owner>>,
-    /// By row, the contacts of a body that impulses move.
-    of_row: Vec<Vec<u32>>,
+    /// By row of a dynamic body where its contacts begin, and where the last ones end.
+    begins: Vec<u32>,
+    contacts_of: Vec<u32>,
     is_direct: Vec<bool>,
+    /// The same by the number among all contacts.
     is_number_direct: Vec<bool>,
+    /// Contacts of a mechanism of which it is open whether they are chosen.
+    waiting: Vec<u32>,
+    /// Those that are, as places in the group, in its order.
+    pub(crate) chosen: Vec<u32>,
 }
 
-impl<'a> DirectChoice<'a> {
-    pub(crate) fn new(records: &'a [ContactRecord], contacts: &[GroupContact], bodies: &'a SolverBodies) -> Self {
-        let mut of_row = vec![Vec::new(); bodies.first_non_dynamic()];
-        for (place, contact) in (0..).zip(contacts) {
-            let moving = contact.rows.into_iter().filter(|row| bodies.is_dynamic(*row));
-            moving.for_each(|row| of_row[row.index()].push(place));
+/// The contacts of a group, and the bodies between which they are.
+#[derive(Clone, Copy)]
+pub(crate) struct Candidates<'a> {
+    pub(crate) records: &'a [ContactRecord],
+    pub(crate) contacts: &'a [GroupContact],
+    pub(crate) bodies: &'a SolverBodies,
+}
+
+impl<'a> Candidates<'a> {
+    fn record(self, place: u32) -> &'a ContactRecord {
+        &self.records[self.contacts[place as usize].number as usize]
+    }
+
+    /// The dynamic bodies of a contact.
+    fn moving(self, place: u32) -> impl Iterator<Item = SolverRow> {
+        let Self { contacts, bodies, .. } = self;
+        contacts[place as usize].rows.into_iter().filter(move |row| bodies.is_dynamic(*row))
+    }
+
+    /// Along the normal, in the substep before \[N s\].
+    fn load(self, place: u32) -> Real {
+        self.record(place).normal_impulses.at_points.iter().sum()
+    }
+
+    /// How many rows a contact takes at most.
+    fn rows(self, place: u32) -> usize {
+        let record = self.record(place);
+        let (points, rolling) = (record.count(), f64::from(record.geometry.rolling_resistance));
+        let radius = if points > 1 { 1.0 } else { 0.0 };
+        ContactShape { points, radius, rolling, ..ContactShape::default() }.rows()
+    }
+}
+
+impl DirectChoice {
+    /// Begins with no owners and no chosen contacts.
+    pub(crate) fn begin(&mut self, of: Candidates<'_>) {
+        let Self { owners, begins, contacts_of, is_direct, is_number_direct, .. } = self;
+        owners.clear();
+        owners.resize(of.bodies.len(), None);
+        is_direct.clear();
+        is_direct.resize(of.contacts.len(), false);
+        is_number_direct.clear();
+        is_number_direct.resize(of.records.len(), false);
+        // Counts, then where each ends, from which filling in goes back to where it begins.
+        begins.clear();
+        begins.resize(of.bodies.first_non_dynamic() + 1, 0);
+        let places = 0..of.contacts.len() as u32;
+        places.clone().flat_map(|place| of.moving(place)).for_each(|row| begins[row.index()] += 1);
+        let mut sum = 0;
+        for begin in &mut *begins {
+            sum += *begin;
+            *begin = sum;
         }
-        Self {
-            records,
-            numbers: contacts.iter().map(|contact| contact.number).collect(),
-            rows: contacts.iter().map(|contact| contact.rows).collect(),
-            bodies,
-            owners: vec![None; bodies.len()],
-            of_row,
-            is_direct: vec![false; contacts.len()],
-            is_number_direct: vec![false; records.len()],
+        contacts_of.clear();
+        contacts_of.resize(sum as usize, 0);
+        for place in places.rev() {
+            for row in of.moving(place) {
+                let begin = &mut begins[row.index()];
+                *begin -= 1;
+                contacts_of[*begin as usize] = place;
+            }
         }
     }
 
     /// Notes the bodies of a mechanism that impulses move.
-    pub(crate) fn own<'b>(&mut self, mechanism: u32, bodies: impl Iterator<Item = &'b MechanismBody>) {
+    pub(crate) fn own(&mut self, mechanism: u32, bodies: &[MechanismBody]) {
         for (body, of_body) in (0..).zip(bodies).filter(|(_, of_body)| of_body.is_moved()) {
             self.owners[of_body.row.index()] = Some(Owner { mechanism, body: Some(body) });
         }
@@ -77,73 +127,77 @@ impl<'a> DirectChoice<'a> {
         self.is_number_direct[number as usize]
     }
 
-    /// Chooses the contacts of a mechanism; returns their places in the group, in its order.
-    pub(crate) fn choose(&mut self, mechanism: u32) -> Vec<usize> {
-        let of_it = |owner: &Option<Owner>| owner.is_some_and(|owner| owner.mechanism == mechanism);
-        let owned = self.owners.iter().zip(&self.of_row).filter(|(owner, _)| of_it(owner));
-        let mut waiting: Vec<u32> = owned.flat_map(|(_, contacts)| contacts).copied().collect();
-        let (mut chosen, mut left) = (Vec::new(), MAX_ROWS);
+    /// Chooses the contacts of a mechanism with these bodies.
+    pub(crate) fn choose(&mut self, of: Candidates<'_>, mechanism: u32, bodies: &[MechanismBody]) {
+        self.waiting.clear();
+        self.chosen.clear();
+        bodies.iter().filter(|body| body.is_moved()).for_each(|body| self.wait_for(body.row));
+        let mut left = MAX_ROWS;
         // What has all its bodies in the mechanism, then the next body that joins it.
         loop {
-            self.sort(&mut waiting);
-            let (whole, others): (Vec<u32>, Vec<u32>) =
-                waiting.iter().partition(|place| self.lacks(**place as usize, mechanism) == Some(None));
-            for place in whole {
-                let rows = self.count(place as usize);
-                if rows <= left {
-                    left -= rows;
-                    self.is_direct[place as usize] = true;
-                    self.is_number_direct[self.numbers[place as usize] as usize] = true;
-                    chosen.push(place as usize);
+            self.waiting.sort_unstable_by(|a, b| of.load(*b).total_cmp(&of.load(*a)).then(a.cmp(b)));
+            self.waiting.dedup();
+            let mut waiting = std::mem::take(&mut self.waiting);
+            waiting.retain(|place| match self.lacks(of, *place, mechanism) {
+                Lack::Nothing => {
+                    self.take(of, *place, &mut left);
+                    false
                 }
-            }
-            let joins = |place: &u32| self.lacks(*place as usize, mechanism).flatten().map(|row| (*place, row));
-            let Some((place, row)) =
-                others.iter().find_map(joins).filter(|(place, _)| self.count(*place as usize) <= left)
-            else {
-                chosen.sort_unstable();
-                return chosen;
-            };
-            debug_assert!(!self.is_direct[place as usize]);
+                Lack::Body(_) => true,
+                Lack::Other => false,
+            });
+            self.waiting = waiting;
+            // The most loaded is the next.
+            let next = self.waiting.first().filter(|place| of.rows(**place) <= left);
+            let Some(Lack::Body(row)) = next.map(|place| self.lacks(of, *place, mechanism)) else { break };
             self.owners[row.index()] = Some(Owner { mechanism, body: None });
-            waiting = others;
-            waiting.extend(&self.of_row[row.index()]);
+            self.wait_for(row);
+        }
+        self.chosen.sort_unstable();
+    }
+
+    /// Has the contacts of a body wait.
+    fn wait_for(&mut self, row: SolverRow) {
+        let [begin, end] = [0, 1].map(|next| self.begins[row.index() + next] as usize);
+        self.waiting.extend_from_slice(&self.contacts_of[begin..end]);
+    }
+
+    /// Chooses a contact if there is room for its rows.
+    fn take(&mut self, of: Candidates<'_>, place: u32, left: &mut usize) {
+        let rows = of.rows(place);
+        if rows <= *left {
+            *left -= rows;
+            self.is_direct[place as usize] = true;
+            self.is_number_direct[of.contacts[place as usize].number as usize] = true;
+            self.chosen.push(place);
         }
     }
 
-    /// Those with the greatest impulses first, each once.
-    fn sort(&self, places: &mut Vec<u32>) {
-        let load = |place: u32| {
-            let record = &self.records[self.numbers[place as usize] as usize];
-            record.normal_impulses.at_points.iter().sum::<Real>()
-        };
-        places.sort_by(|a, b| load(*b).total_cmp(&load(*a)).then(a.cmp(b)));
-        places.dedup();
-    }
-
-    /// The free body that has to join a mechanism for a contact to be solved with it, if any;
-    /// `None` where it cannot be.
-    fn lacks(&self, place: usize, mechanism: u32) -> Option<Option<SolverRow>> {
-        if self.records[self.numbers[place] as usize].is_of_meeting_centers() || self.is_direct[place] {
-            return None;
+    /// What a contact lacks to be solved with a mechanism.
+    fn lacks(&self, of: Candidates<'_>, place: u32, mechanism: u32) -> Lack {
+        if of.record(place).is_of_meeting_centers() || self.is_direct[place as usize] {
+            return Lack::Other;
         }
-        let (mut lacking, mut jointed) = (None, 0);
-        for row in self.rows[place].into_iter().filter(|row| self.bodies.is_dynamic(*row)) {
-            match self.owners[row.index()] {
+        let (mut lack, mut jointed) = (Lack::Nothing, 0);
+        for row in of.moving(place) {
+            match self.owner(row) {
                 Some(owner) if owner.mechanism == mechanism => jointed += usize::from(owner.body.is_some()),
                 // Of another mechanism.
-                Some(_) => return None,
-                None if self.bodies.locked.has(row) => return None,
-                None => lacking = Some(row),
+                Some(_) => return Lack::Other,
+                None if of.bodies.locked.has(row) => return Lack::Other,
+                None => lack = Lack::Body(row),
             }
         }
-        (jointed < 2).then_some(lacking)
+        if jointed < 2 { lack } else { Lack::Other }
     }
+}
 
-    /// How many rows a contact takes at most.
-    fn count(&self, place: usize) -> usize {
-        let record = &self.records[self.numbers[place] as usize];
-        let rolls = record.geometry.rolling_resistance > 0.0;
-        record.count() + if record.count() > 1 { 3 } else { 2 } + if rolls { 2 } else { 0 }
-    }
+/// What a contact lacks to be solved with a mechanism.
+#[derive(Clone, Copy)]
+enum Lack {
+    Nothing,
+    /// That a free body joins.
+    Body(SolverRow),
+    /// It cannot be, or is already.
+    Other,
 }

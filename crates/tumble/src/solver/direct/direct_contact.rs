@@ -1,15 +1,22 @@
 //! A contact of a mechanism's bodies, in double precision.
 
+use tumble_collide::MAX_MANIFOLD_POINTS;
 use tumble_math::lane::Vec3;
 
 use crate::solver::direct::contact_problem::ContactShape;
-use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_solver::SIGNS;
 
 /// The most rows of a contact: four points, two tangents, a twist, two axes of rolling.
-pub(crate) const MAX_CONTACT_ROWS: usize = 9;
-/// The most points.
-pub(crate) const POINTS: usize = 4;
+pub(crate) const MAX_CONTACT_ROWS: usize = MAX_MANIFOLD_POINTS + 5;
+
+/// An impulse \[N s\] on a body of a mechanism or beside it, and an angular one about its centre of
+/// mass [N m s].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Push {
+    pub(crate) body: usize,
+    pub(crate) linear: Vec3<f64>,
+    pub(crate) torque: Vec3<f64>,
+}
 
 /// A contact as it stands, and what it has done in this substep.
 #[derive(Clone, Copy, Debug)]
@@ -23,8 +30,8 @@ pub(crate) struct DirectContact {
     /// From both centres of mass to the middle \[m\].
     pub(crate) arms: [Vec3<f64>; 2],
     /// From the middle to each point, along the tangents \[m\].
-    pub(crate) offsets: [[f64; 2]; POINTS],
-    pub(crate) separations: [f64; POINTS],
+    pub(crate) offsets: [[f64; 2]; MAX_MANIFOLD_POINTS],
+    pub(crate) separations: [f64; MAX_MANIFOLD_POINTS],
     pub(crate) friction: [f64; 2],
     pub(crate) radius: f64,
     pub(crate) rolling: f64,
@@ -39,9 +46,9 @@ pub(crate) struct DirectContact {
     pub(crate) is_of_ball: bool,
     pub(crate) slides: bool,
     /// How fast the points came until they met in this substep \[m/s\].
-    pub(crate) met: [f64; POINTS],
+    pub(crate) met: [f64; MAX_MANIFOLD_POINTS],
     /// The fastest that they came in this step before the contact held them \[m/s\].
-    pub(crate) approach: [f64; POINTS],
+    pub(crate) approach: [f64; MAX_MANIFOLD_POINTS],
     /// Energy that its points have taken from the bodies in this step \[J\].
     pub(crate) absorbed: f64,
     /// Impulses of this substep, row by row.
@@ -57,8 +64,8 @@ impl DirectContact {
             normal: zero,
             tangents: [zero; 2],
             arms: [zero; 2],
-            offsets: [[0.0; 2]; POINTS],
-            separations: [0.0; POINTS],
+            offsets: [[0.0; 2]; MAX_MANIFOLD_POINTS],
+            separations: [0.0; MAX_MANIFOLD_POINTS],
             friction: [0.0; 2],
             radius: 0.0,
             rolling: 0.0,
@@ -68,8 +75,8 @@ impl DirectContact {
             steady: 1.0,
             is_of_ball: false,
             slides: false,
-            met: [0.0; POINTS],
-            approach: [0.0; POINTS],
+            met: [0.0; MAX_MANIFOLD_POINTS],
+            approach: [0.0; MAX_MANIFOLD_POINTS],
             absorbed: 0.0,
             impulses: [0.0; MAX_CONTACT_ROWS],
         }
@@ -79,6 +86,11 @@ impl DirectContact {
     pub(crate) fn shape(&self, first: usize) -> ContactShape {
         let Self { points, friction, radius, rolling, slides, .. } = *self;
         ContactShape { first, points, friction, radius, rolling, slides, inverse: [[0.0; 3]; 3] }
+    }
+
+    /// How many rows it has.
+    pub(crate) fn rows(&self) -> usize {
+        self.shape(0).rows()
     }
 
     /// Along what a row pushes the second body in the middle, and about what it turns it besides.
@@ -111,18 +123,18 @@ impl DirectContact {
         let apart = second + turn_of_second.cross(self.arms[1]) - at_first;
         let turn = turn_of_second - turn_of_first;
         let mut speeds = [0.0; MAX_CONTACT_ROWS];
-        for (row, speed) in speeds.iter_mut().enumerate().take(self.shape(0).rows()) {
+        for (row, speed) in speeds.iter_mut().enumerate().take(self.rows()) {
             let [push, about] = self.row(row);
             *speed = push.dot(apart) + about.dot(turn);
         }
         speeds
     }
 
-    /// What an impulse and an angular one do to its bodies: by end, impulse and torque.
-    pub(crate) fn pushes(&self, [linear, angular]: [Vec3<f64>; 2]) -> [(usize, Vec3<f64>, Vec3<f64>); 2] {
+    /// What an impulse and an angular one in the middle are to each of its bodies.
+    pub(crate) fn pushes(&self, [linear, angular]: [Vec3<f64>; 2]) -> [Push; 2] {
         [0, 1].map(|end| {
             let torque = self.arms[end].cross(linear) + angular;
-            (self.ends[end], linear * SIGNS[end], torque * SIGNS[end])
+            Push { body: self.ends[end], linear: linear * SIGNS[end], torque: torque * SIGNS[end] }
         })
     }
 
@@ -133,12 +145,7 @@ impl DirectContact {
 
     /// The work of impulses on one of its bodies that moves like this meanwhile \[J\].
     pub(crate) fn work_on(&self, end: usize, along: &[f64], [linear, angular]: [Vec3<f64>; 2]) -> f64 {
-        let (_, impulse, torque) = self.pushes(self.impulse(along))[end];
-        impulse.dot(linear) + torque.dot(angular)
-    }
-
-    /// The velocities of a body.
-    pub(crate) fn velocities_of(body: &MechanismBody) -> [Vec3<f64>; 2] {
-        [body.linear_velocity(), body.angular_velocity()]
+        let push = self.pushes(self.impulse(along))[end];
+        push.linear.dot(linear) + push.torque.dot(angular)
     }
 }

@@ -2,14 +2,16 @@
 
 use tumble_math::lane::Vec3;
 
+use crate::simd::Four;
+use crate::solver::contact::softness::MAX_PUSH;
 use crate::solver::direct::contact_problem::ContactProblem;
-use crate::solver::direct::direct_contact::{DirectContact, MAX_CONTACT_ROWS};
+use crate::solver::direct::direct_contact::{DirectContact, MAX_CONTACT_ROWS, Push};
 use crate::solver::mechanism::contact_responses::JointsByContacts;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_solver::{Half, MechanismSolver};
 
 /// What contacts are solved for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) enum ContactStage {
     /// Before bodies move on: no point comes nearer than it may, and overlaps are pushed apart.
     Positions,
@@ -19,14 +21,25 @@ pub(crate) enum ContactStage {
     Velocities,
     /// At the end of a step: points that came faster than this leave with their restitution
     /// \[m/s\].
-    Bounce,
+    Bounce(f64),
+}
+
+impl ContactStage {
+    /// Whether bodies are to move on.
+    fn is_of_positions(self) -> bool {
+        matches!(self, Self::Positions | Self::PositionsAgain)
+    }
+
+    fn is_bounce(self) -> bool {
+        matches!(self, Self::Bounce(_))
+    }
 }
 
 /// Contacts that are solved with the joints of a mechanism.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct DirectContacts {
     pub(crate) contacts: Vec<DirectContact>,
-    /// By contact, its number among the direct ones of the group.
+    /// By contact, its number among all.
     pub(crate) numbers: Vec<u32>,
     /// Bodies that belong to no mechanism: their numbers follow on those of the mechanism's.
     pub(crate) beside: Vec<MechanismBody>,
@@ -34,16 +47,17 @@ pub(crate) struct DirectContacts {
     /// By contact and row, the speed that it is to have, and the impulse where the stage began.
     goals: Vec<[f64; MAX_CONTACT_ROWS]>,
     begun: Vec<[f64; MAX_CONTACT_ROWS]>,
-    /// Slower points do not bounce \[m/s\].
-    pub(crate) threshold: f64,
     /// Overlaps up to this are rounding \[m\].
     pub(crate) rounding: f64,
     /// Whether work is booked.
     pub(crate) has_accounts: bool,
     /// By contact, work in the last stage.
     pub(crate) works: Vec<DirectWork>,
-    changes: Vec<[f64; MAX_CONTACT_ROWS]>,
     by_contacts: JointsByContacts,
+    /// Memory for the work: velocities by contact and end, impulses, and those of the joints.
+    after: Vec<[[Vec3<f64>; 2]; 2]>,
+    pushes: Vec<Push>,
+    right: Vec<Four>,
 }
 
 /// What the impulses of a contact did, together with what joints did because of them \[J\].
@@ -64,8 +78,6 @@ const SOFTNESS: f64 = 1e-4;
 const REST: f64 = 1e-2;
 /// The part of an overlap that is pushed out in a substep.
 const PUSHED: f64 = 0.2;
-/// Fastest that overlapping bodies are pushed apart \[m/s\].
-const MAX_PUSH: f64 = 3.0;
 
 impl DirectContacts {
     /// Finds the impulses of contacts together with those of the joints, which are on the right
@@ -80,11 +92,11 @@ impl DirectContacts {
         for repeat in 0..MAX_REPEATS {
             self.set_problem(solver, (half, stage), repeat == 0);
             self.problem.solve();
-            if stage == ContactStage::Bounce {
+            if stage.is_bounce() {
                 self.limit_bounce();
             }
             self.take_solution(solver);
-            if !solver.solve_half(half) || stage == ContactStage::Bounce {
+            if !solver.solve_half(half) || stage.is_bounce() {
                 break;
             }
         }
@@ -98,17 +110,16 @@ impl DirectContacts {
 
     /// Notes where the stage begins.
     fn begin(&mut self, solver: &mut MechanismSolver, stage: ContactStage) {
-        let count = solver.bodies.len();
         let Self { contacts, begun, beside, .. } = self;
         begun.clear();
         for contact in contacts.iter_mut() {
             match stage {
                 ContactStage::Positions => {
                     begun.push([0.0; MAX_CONTACT_ROWS]);
-                    push(contact, &contact.impulses, (&mut solver.bodies, beside, count));
+                    push(contact, &contact.impulses, (&mut solver.bodies, beside));
                 }
                 ContactStage::PositionsAgain | ContactStage::Velocities => begun.push(contact.impulses),
-                ContactStage::Bounce => {
+                ContactStage::Bounce(_) => {
                     contact.impulses = [0.0; MAX_CONTACT_ROWS];
                     begun.push(contact.impulses);
                 }
@@ -118,7 +129,6 @@ impl DirectContacts {
 
     /// Sets speeds, goals and responses to where the bodies and the joints' impulses are.
     fn set_problem(&mut self, solver: &mut MechanismSolver, (half, stage): (Half, ContactStage), is_first: bool) {
-        let count = solver.bodies.len();
         let Self { contacts, problem, beside, goals, .. } = self;
         let mut first = 0;
         problem.contacts.clear();
@@ -135,12 +145,9 @@ impl DirectContacts {
         }
         for (number, contact) in contacts.iter().enumerate() {
             let shape = problem.contacts[number];
-            let speeds = contact.speeds(|end| match end.checked_sub(count) {
-                Some(beside_it) => DirectContact::velocities_of(&beside[beside_it]),
-                None => solver.velocities_to_be(end),
-            });
+            let speeds = contact.speeds(|end| velocities_to_be(solver, beside, end));
             if is_first {
-                goals.push(contact.goals(&speeds, (half.h, stage), (self.rounding, self.threshold)));
+                goals.push(contact.goals(&speeds, (half.h, stage), self.rounding));
             }
             let rows = shape.first..shape.first + shape.rows();
             problem.impulses[rows.clone()].copy_from_slice(&contact.impulses[..shape.rows()]);
@@ -162,7 +169,7 @@ impl DirectContacts {
                 let held = if row < contact.points { held.max(0.0) } else { 0.0 };
                 let softness = softness * contact.scale(at).powi(2) + held;
                 self.problem.responses[at * n + at] += softness;
-                if row < contact.points && matches!(stage, ContactStage::Positions | ContactStage::PositionsAgain) {
+                if row < contact.points && stage.is_of_positions() {
                     self.problem.speeds[at] += softness * self.problem.impulses[at];
                 }
             }
@@ -178,9 +185,9 @@ impl DirectContacts {
         solver.begin_responses(n, by_contacts);
         for (contact, shape) in contacts.iter().zip(&problem.contacts) {
             for row in 0..shape.rows() {
-                let velocities = contact.pushes(contact.row(row)).map(|(end, linear, torque)| {
-                    let body = solver.bodies.get(end).unwrap_or_else(|| &beside[end - count]);
-                    (end, [linear * body.inverse_mass(), body.times_inverse_inertia(torque)])
+                let velocities = contact.pushes(contact.row(row)).map(|Push { body, linear, torque }| {
+                    let of_body = solver.bodies.get(body).unwrap_or_else(|| &beside[body - count]);
+                    (body, of_body.response_to([linear, torque]))
                 });
                 let at = shape.first + row;
                 for (other, of_other) in contacts.iter().zip(&problem.contacts) {
@@ -231,7 +238,6 @@ impl DirectContacts {
 
     /// Has the impulses of the solution act on the bodies.
     fn take_solution(&mut self, solver: &mut MechanismSolver) {
-        let count = solver.bodies.len();
         let Self { contacts, problem, beside, .. } = self;
         for (contact, shape) in contacts.iter_mut().zip(&problem.contacts) {
             let mut changes = [0.0; MAX_CONTACT_ROWS];
@@ -241,56 +247,49 @@ impl DirectContacts {
                 *impulse = *solved;
             }
             contact.slides = shape.slides;
-            push(contact, &changes, (&mut solver.bodies, beside, count));
+            push(contact, &changes, (&mut solver.bodies, beside));
         }
     }
 
     /// Notes what contacts did in the stage.
     fn finish(&mut self, solver: &mut MechanismSolver, stage: ContactStage) {
-        let bounces = self.bounces() && stage != ContactStage::Bounce;
+        let bounces = self.bounces() && !stage.is_bounce();
         self.works.clear();
         if !(self.has_accounts || bounces) {
             return;
         }
-        let count = solver.bodies.len();
-        let Self { contacts, beside, begun, works, changes, .. } = self;
-        let velocities = |solver: &MechanismSolver, end: usize| match end.checked_sub(count) {
-            Some(place) => DirectContact::velocities_of(&beside[place]),
-            None => solver.velocities_to_be(end),
-        };
+        let Self { contacts, beside, begun, works, after, pushes, right, .. } = self;
         solver.set_response();
-        let after: Vec<_> = contacts.iter().map(|contact| contact.ends.map(|end| velocities(solver, end))).collect();
-        let mut all = Vec::new();
-        changes.clear();
-        for (contact, begun) in contacts.iter().zip(&*begun) {
-            let mut change = contact.impulses;
-            change.iter_mut().zip(begun).for_each(|(change, begun)| *change -= begun);
-            all.extend(contact.pushes(contact.impulse(&change[..contact.shape(0).rows()])));
-            changes.push(change);
+        after.clear();
+        after.extend(contacts.iter().map(|contact| contact.ends.map(|end| velocities_to_be(solver, beside, end))));
+        // From here on what was begun with is what was changed.
+        pushes.clear();
+        for (contact, change) in contacts.iter().zip(&mut *begun) {
+            change.iter_mut().zip(&contact.impulses).for_each(|(change, impulse)| *change = impulse - *change);
+            pushes.extend(contact.pushes(contact.impulse(&change[..contact.rows()])));
         }
-        let (within, others): (Vec<_>, Vec<_>) = all.into_iter().partition(|push| push.0 < count);
-        let right = solver.right_side();
-        solver.respond(&within);
+        right.clear();
+        right.extend_from_slice(solver.right_side());
+        solver.respond(pushes);
         // What joints and contacts would have left without these impulses, and with them.
-        let added = |end: usize| match end.checked_sub(count) {
+        let added = |end: usize| match end.checked_sub(solver.bodies.len()) {
             Some(place) => {
-                let sum = others
-                    .iter()
-                    .filter(|push| push.0 == end)
-                    .fold([Vec3::zero(); 2], |sum, push| [sum[0] + push.1, sum[1] + push.2]);
-                [sum[0] * beside[place].inverse_mass(), beside[place].times_inverse_inertia(sum[1])]
+                let of_it = pushes.iter().filter(|push| push.body == end);
+                let [linear, torque] =
+                    of_it.fold([Vec3::zero(); 2], |sum, push| [sum[0] + push.linear, sum[1] + push.torque]);
+                beside[place].response_to([linear, torque])
             }
             None => solver.response_of(end),
         };
-        for ((contact, change), after) in contacts.iter().zip(&*changes).zip(after) {
+        for ((contact, change), after) in contacts.iter().zip(&*begun).zip(after) {
             let added = contact.ends.map(added);
             let mean = |end: usize, which: usize| after[end][which] - added[end][which] * 0.5;
             let work = |along: &[f64], end: usize| contact.work_on(end, along, [mean(end, 0), mean(end, 1)]);
-            let along = &change[..contact.shape(0).rows()];
+            let along = &change[..contact.rows()];
             let of_points = work(&along[..contact.points], 0) + work(&along[..contact.points], 1);
             works.push(DirectWork { of_ends: [work(along, 0), work(along, 1)], of_points });
         }
-        solver.set_right_side_to(&right);
+        solver.set_right_side_to(right);
         if bounces {
             self.note_impacts();
         }
@@ -316,13 +315,12 @@ impl DirectContact {
         &self,
         speeds: &[f64; MAX_CONTACT_ROWS],
         (h, stage): (f64, ContactStage),
-        (rounding, threshold): (f64, f64),
+        rounding: f64,
     ) -> [f64; MAX_CONTACT_ROWS] {
         let mut goals = [0.0; MAX_CONTACT_ROWS];
-        let is_position = matches!(stage, ContactStage::Positions | ContactStage::PositionsAgain);
         // Velocities are to vanish in the middle of a substep.
-        let sign = if is_position { -1.0 } else { 1.0 };
-        let rows = self.shape(0).rows();
+        let sign = if stage.is_of_positions() { -1.0 } else { 1.0 };
+        let rows = self.rows();
         for (row, goal) in goals.iter_mut().enumerate().take(rows).skip(self.points) {
             let [push, _] = self.row(row);
             *goal = push.dot(self.slip_reference) + (sign - 1.0) * push.dot(self.lag);
@@ -341,14 +339,22 @@ impl DirectContact {
                 }
                 ContactStage::Velocities if self.impulses[j] > 0.0 => lag - near.min((lag - speeds[j]).max(0.0)),
                 ContactStage::Velocities => lag - near,
-                ContactStage::Bounce if self.approach[j] < -threshold && self.restitution > 0.0 => {
+                ContactStage::Bounce(threshold) if self.approach[j] < -threshold && self.restitution > 0.0 => {
                     -self.restitution * self.approach[j]
                 }
                 // What came slowly is not to be pushed in.
-                ContactStage::Bounce => (-near).min(speeds[j]),
+                ContactStage::Bounce(_) => (-near).min(speeds[j]),
             };
         }
         goals
+    }
+}
+
+/// The velocities of a body once the joints' impulses act, of which the response is set.
+fn velocities_to_be(solver: &MechanismSolver, beside: &[MechanismBody], end: usize) -> [Vec3<f64>; 2] {
+    match end.checked_sub(solver.bodies.len()) {
+        Some(place) => [beside[place].linear_velocity(), beside[place].angular_velocity()],
+        None => solver.velocities_to_be(end),
     }
 }
 
@@ -356,13 +362,12 @@ impl DirectContact {
 fn push(
     contact: &DirectContact,
     along: &[f64; MAX_CONTACT_ROWS],
-    (bodies, beside, count): (&mut [MechanismBody], &mut [MechanismBody], usize),
+    (bodies, beside): (&mut [MechanismBody], &mut [MechanismBody]),
 ) {
-    let rows = contact.shape(0).rows();
-    for (end, linear, torque) in contact.pushes(contact.impulse(&along[..rows])) {
-        let body = match end.checked_sub(count) {
+    for Push { body, linear, torque } in contact.pushes(contact.impulse(&along[..contact.rows()])) {
+        let body = match body.checked_sub(bodies.len()) {
             Some(place) => &mut beside[place],
-            None => &mut bodies[end],
+            None => &mut bodies[body],
         };
         body.push(linear, Vec3::zero(), torque);
     }

@@ -8,7 +8,7 @@ use crate::solver::contact::restitution::SubstepMoment;
 use crate::solver::contact::round_contacts::RoundConstraint;
 use crate::solver::direct::direct_contact::DirectContact;
 use crate::solver::solver_bodies::SolverBodies;
-use crate::solver::stages::{ContactConstraints, Place, SolverStage};
+use crate::solver::stages::{ContactConstraints, SolverStage};
 use crate::solver::substeps::GroupContact;
 
 /// Contacts in blocks that no pass goes over.
@@ -17,7 +17,6 @@ pub(crate) struct DirectGroup {
     pub(crate) contacts: Vec<GroupContact>,
     pub(crate) rounds: Vec<RoundConstraint>,
     constraints: ContactConstraints,
-    places: Vec<Place>,
 }
 
 impl DirectGroup {
@@ -28,14 +27,14 @@ impl DirectGroup {
 
     /// Lays out the contacts at the start of a step.
     pub(crate) fn lay_out(&mut self, all: &[ContactRecord], bodies: &mut SolverBodies, extras: Extras) {
-        let Self { contacts, rounds, constraints, places } = self;
+        let Self { contacts, rounds, constraints } = self;
         if contacts.is_empty() {
             return;
         }
         constraints.lay_out(all, contacts, bodies, extras);
         constraints.locate(all.len(), rounds);
         constraints.make_room_for_lags();
-        *places = constraints.places_of(all.len(), contacts);
+        constraints.place_all(all.len());
         bodies.with_poses(|bodies, poses| constraints.run(SolverStage::Prepare(all, poses), bodies));
         bodies.clear_warm_start();
     }
@@ -61,19 +60,19 @@ impl DirectGroup {
         self.constraints.run(stage, bodies);
     }
 
-    /// Reads how a contact stands, and its impulses in this substep.
+    /// Reads how the contact with a number among all stands, and its impulses in this substep.
     pub(crate) fn read(&mut self, number: u32, contact: &mut DirectContact) {
-        self.constraints.read_direct(self.places[number as usize], contact);
+        self.constraints.read_direct(number, contact);
     }
 
     /// Writes the impulses of a contact in this substep.
     pub(crate) fn write(&mut self, number: u32, contact: &DirectContact) {
-        self.constraints.write_direct(self.places[number as usize], contact);
+        self.constraints.write_direct(number, contact);
     }
 
     /// Adds to what a contact did along the normal in this step \[N s\].
     pub(crate) fn add_to_total(&mut self, number: u32, normal: f64) {
-        self.constraints.add_to_total(self.places[number as usize], normal);
+        self.constraints.add_to_total(number, normal);
     }
 
     /// Stores the impulses in the contacts.

@@ -4,13 +4,14 @@ use tumble_math::lane::Vec3;
 
 use crate::collision::contact::UpdateRule;
 use crate::math::{Real, double, real};
-use crate::simd::block_lanes::{put, vector_at};
+use crate::simd::block_lanes::vector_at;
 use crate::solver::contact::constraint::Block;
 use crate::solver::contact::contact_frame::ContactFrame;
 use crate::solver::contact::friction::FrictionImpulse;
 use crate::solver::contact::solve::Blocks;
 use crate::solver::contact::update_geometry::of_balls;
 use crate::solver::direct::direct_contact::DirectContact;
+use crate::solver::mechanism::mechanism_body::single;
 
 /// Reads how a contact stands in a lane of a block, and its impulses.
 pub(crate) fn read<const P: usize, const C: usize>(
@@ -59,8 +60,7 @@ fn read_impulses<const P: usize, const C: usize>(
     let friction = FrictionImpulse::<Real>::load(&block.friction, blocks.rolling.get(index), lane);
     let frame = ContactFrame::load(block, lane);
     let [linear, angular] = [friction.linear(&frame), friction.angular(&frame)].map(double).map(Vec3::from);
-    let shape = contact.shape(0);
-    for row in 0..shape.rows() {
+    for row in 0..contact.rows() {
         contact.impulses[row] = if row < contact.points {
             f64::from(block.points[row].impulse[lane])
         } else {
@@ -76,16 +76,14 @@ pub(crate) fn write<const P: usize, const C: usize>(
     (blocks, index, lane): (&mut Blocks<'_, P, C>, usize, usize),
 ) {
     let block = &mut blocks.blocks[index];
-    for (j, point) in block.points.iter_mut().enumerate().take(P) {
+    for (j, point) in block.points.iter_mut().enumerate() {
         point.impulse[lane] = if j < contact.points { real(contact.impulses[j]) } else { 0.0 };
     }
-    let mut of_friction = *contact;
-    of_friction.impulses[..contact.points].fill(0.0);
-    let shape = contact.shape(0);
-    let [linear, angular] = contact.impulse(&of_friction.impulses[..shape.rows()]);
-    let single = |v: Vec3<f64>| Vec3::new(real(v.x), real(v.y), real(v.z));
+    let mut of_friction = contact.impulses;
+    of_friction[..contact.points].fill(0.0);
+    let [linear, angular] = contact.impulse(&of_friction[..contact.rows()]);
     let frame = ContactFrame::<Real>::load(block, lane);
     let friction = FrictionImpulse::from_world(&frame, single(linear), single(angular));
     friction.store(&mut block.friction, blocks.rolling.get_mut(index), lane);
-    put::<Real>(0.0, &mut block.start.is_impact, lane);
+    block.start.is_impact[lane] = 0.0;
 }

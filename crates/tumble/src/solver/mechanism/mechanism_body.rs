@@ -398,6 +398,11 @@ impl MechanismBody {
         symmetric_product(diagonal, off_diagonal, torque)
     }
 
+    /// The velocities that an impulse \[N s\] and an angular one [N m s] give it.
+    pub(crate) fn response_to(&self, [linear, torque]: [Vec3<f64>; 2]) -> [Vec3<f64>; 2] {
+        [linear * self.inverse_mass(), self.times_inverse_inertia(torque)]
+    }
+
     /// Adds an impulse \[N s\] at an arm from its centre of mass \[m\], and an angular one [N m s].
     pub(crate) fn push(&mut self, impulse: Vec3<f64>, arm: Vec3<f64>, angular: Vec3<f64>) {
         if self.is_moved() {
@@ -475,7 +480,8 @@ impl MechanismBody {
     }
 }
 
-fn single(v: Vec3<f64>) -> Vec3<Real> {
+/// A vector of the build's precision.
+pub(crate) fn single(v: Vec3<f64>) -> Vec3<Real> {
     Vec3::new(real(v.x), real(v.y), real(v.z))
 }
 

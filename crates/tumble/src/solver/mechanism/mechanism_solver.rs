@@ -279,9 +279,14 @@ impl MechanismSolver {
         self.begin_half(half);
         self.factor();
         self.solve_half(half);
+        self.take_solution();
+        self.note_impulses(false);
+    }
+
+    /// Has the impulses on the right side act on the bodies, as those of the solution.
+    pub(super) fn take_solution(&mut self) {
         self.impulses.copy_from_slice(&self.right);
         self.push();
-        self.note_impulses(false);
     }
 
     /// Solves for the impulses of one half: in the first those that meet the joints at the end of

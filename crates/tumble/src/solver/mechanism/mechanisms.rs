@@ -15,6 +15,7 @@ use crate::math::{Real, real, vec3};
 use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, is_rotation, within};
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact_work::ContactWorks;
+use crate::solver::direct::direct_choice::DirectChoice;
 use crate::solver::direct::direct_contacts::DirectContacts;
 use crate::solver::mechanism::fours::{row, vector};
 use crate::solver::mechanism::free_axis::free_axis_bits;
@@ -48,6 +49,8 @@ pub(crate) struct Mechanisms {
     /// By number in the list.
     values_and_speeds: Vec<[[f64; 6]; 2]>,
     islands: Islands,
+    /// Which contacts are solved with joints.
+    pub(super) choice: DirectChoice,
     /// By slot, whether a contact acts on the body.
     is_touched: Vec<bool>,
 }

@@ -4,6 +4,7 @@
 use tumble_math::lane::Vec3;
 
 use crate::simd::Four;
+use crate::solver::direct::direct_contact::Push;
 use crate::solver::direct::direct_contacts::{ContactStage, DirectContacts};
 use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::mechanism_solver::{Half, MechanismSolver};
@@ -17,8 +18,7 @@ impl MechanismSolver {
         self.factor();
         self.plan_corrections(h);
         contacts.solve(self, half, stage);
-        self.impulses.copy_from_slice(&self.right);
-        self.push();
+        self.take_solution();
         self.note_springs();
         self.note_impulses(true);
         self.take_loads(h);
@@ -54,8 +54,7 @@ impl MechanismSolver {
         self.begin_half(half);
         self.factor();
         contacts.solve(self, half, stage);
-        self.impulses.copy_from_slice(&self.right);
-        self.push();
+        self.take_solution();
         self.note_impulses(false);
     }
 
@@ -68,8 +67,8 @@ impl MechanismSolver {
     }
 
     /// The impulses on the right side.
-    pub(crate) fn right_side(&self) -> Vec<Four> {
-        self.right.clone()
+    pub(crate) fn right_side(&self) -> &[Four] {
+        &self.right
     }
 
     pub(crate) fn set_right_side_to(&mut self, impulses: &[Four]) {
@@ -81,20 +80,19 @@ impl MechanismSolver {
         self.velocities[body]
     }
 
-    /// Sets how impulses \[N s\] and angular ones [N m s] on these bodies change velocities, with
-    /// the joints as they are in the matrix. The right side is lost.
-    pub(crate) fn respond(&mut self, pushes: &[(usize, Vec3<f64>, Vec3<f64>)]) {
+    /// Sets how these impulses change velocities, with the joints as they are in the matrix; those
+    /// on bodies beside the mechanism change nothing. The right side is lost.
+    pub(crate) fn respond(&mut self, pushes: &[Push]) {
         let Self { joints, bodies, matrix, right, velocities, pushed, .. } = self;
-        for (body, linear, torque) in pushes {
-            let of_body = &bodies[*body];
-            let [linear_velocity, angular_velocity] = &mut pushed[*body];
-            *linear_velocity = *linear_velocity + *linear * of_body.inverse_mass();
-            *angular_velocity = *angular_velocity + of_body.times_inverse_inertia(*torque);
+        for Push { body, linear, torque } in pushes {
+            let (Some(of_body), Some(sum)) = (bodies.get(*body), pushed.get_mut(*body)) else { continue };
+            let by = of_body.response_to([*linear, *torque]);
+            *sum = [sum[0] + by[0], sum[1] + by[1]];
         }
         right.fill([0.0; 4]);
         let numbers = right.as_flattened_mut();
         for (number, joint) in joints.iter().enumerate() {
-            if joint.ends().any(|body| pushes.iter().any(|push| push.0 == body)) {
+            if joint.ends().any(|body| pushes.iter().any(|push| push.body == body)) {
                 let speeds = joint.speeds_by(|body| pushed[body]);
                 let numbers = &mut numbers[matrix.place(number)..][..joint.count];
                 for (row, (number, speed)) in numbers.iter_mut().zip(speeds.as_flattened()).enumerate() {
@@ -105,10 +103,9 @@ impl MechanismSolver {
         velocities.fill([Vec3::zero(); 2]);
         self.solve_right_side();
         self.set_response();
-        for (body, ..) in pushes {
-            let [linear, angular] = std::mem::replace(&mut self.pushed[*body], [Vec3::zero(); 2]);
-            let of_body = &mut self.velocities[*body];
-            *of_body = [of_body[0] + linear, of_body[1] + angular];
+        for (of_body, pushed) in self.velocities.iter_mut().zip(&mut self.pushed) {
+            *of_body = [of_body[0] + pushed[0], of_body[1] + pushed[1]];
+            *pushed = [Vec3::zero(); 2];
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::collision::contact::ContactRecord;
 use crate::math::Real;
 use crate::solver::contact::round_contacts::RoundConstraint;
 use crate::solver::contact_work::ContactWorks;
-use crate::solver::direct::direct_choice::{DirectChoice, Owner};
+use crate::solver::direct::direct_choice::{Candidates, Owner};
 use crate::solver::direct::direct_contact::DirectContact;
 use crate::solver::direct::direct_contacts::ContactStage;
 use crate::solver::direct::direct_group::DirectGroup;
@@ -29,22 +29,23 @@ impl Mechanisms {
         (contacts, rounds): (&mut Vec<GroupContact>, &mut Vec<RoundConstraint>),
         direct: &mut DirectGroup,
     ) {
-        let mut choice = DirectChoice::new(records, contacts, bodies);
-        let touched = || (0..).zip(&self.mechanisms).filter(|(_, it)| it.is_touched);
-        for (number, it) in touched() {
-            choice.own(number, it.solver.bodies[..it.slots.len()].iter());
+        let Self { mechanisms, choice, .. } = self;
+        let of = Candidates { records, contacts, bodies };
+        choice.begin(of);
+        for (number, it) in (0..).zip(&*mechanisms).filter(|(_, it)| it.is_touched) {
+            choice.own(number, it.jointed_bodies());
         }
-        direct.clear();
-        for (number, mechanism) in (0..).zip(&mut self.mechanisms).filter(|(_, it)| it.is_touched) {
+        for (number, mechanism) in (0..).zip(&mut *mechanisms).filter(|(_, it)| it.is_touched) {
             mechanism.begin_direct();
-            for place in choice.choose(number) {
-                let contact = contacts[place];
+            choice.choose(of, number, mechanism.jointed_bodies());
+            for place in &choice.chosen {
+                let contact = contacts[*place as usize];
                 let ends = contact.rows.map(|row| match choice.owner(row) {
                     Some(Owner { body: Some(body), .. }) => body as usize,
                     _ => mechanism.beside(row, bodies),
                 });
                 mechanism.direct.contacts.push(DirectContact::new(ends));
-                mechanism.direct.numbers.push(direct.contacts.len() as u32);
+                mechanism.direct.numbers.push(contact.number);
                 direct.contacts.push(contact);
             }
         }
@@ -52,7 +53,7 @@ impl Mechanisms {
         contacts.retain(|_| places.next().is_none_or(|place| !choice.is_direct(place)));
         direct.rounds.extend(rounds.extract_if(.., |round| choice.is_number_direct(round.number())));
         for owner in contacts.iter().flat_map(|contact| contact.rows).filter_map(|row| choice.owner(row)) {
-            self.mechanisms[owner.mechanism as usize].has_passes = true;
+            mechanisms[owner.mechanism as usize].has_passes = true;
         }
     }
 
@@ -67,51 +68,9 @@ impl Mechanisms {
         works.after_joints(bodies);
     }
 
-    /// Solves joints and direct contacts of touched mechanisms before their bodies move on for `h`
-    /// \[s\].
-    pub(crate) fn solve_positions(
-        &mut self,
-        (bodies, works): (&mut SolverBodies, &mut ContactWorks),
-        direct: &mut DirectGroup,
-        h: Real,
-    ) {
-        self.solve_stage((bodies, works), direct, (ContactStage::Positions, h));
-    }
-
-    /// The same again for those that have contacts in passes, after these have pushed.
-    pub(crate) fn solve_positions_again(
-        &mut self,
-        (bodies, works): (&mut SolverBodies, &mut ContactWorks),
-        direct: &mut DirectGroup,
-        h: Real,
-    ) {
-        self.solve_stage((bodies, works), direct, (ContactStage::PositionsAgain, h));
-    }
-
-    /// Takes out the velocities against the joints of touched mechanisms, and those with which
-    /// direct contacts come.
-    pub(crate) fn solve_velocities(
-        &mut self,
-        (bodies, works): (&mut SolverBodies, &mut ContactWorks),
-        direct: &mut DirectGroup,
-        h: Real,
-    ) {
-        self.solve_stage((bodies, works), direct, (ContactStage::Velocities, h));
-    }
-
-    /// Has direct contacts bounce after a substep of `h` \[s\] where they came faster than a
-    /// threshold \[m/s\].
-    pub(crate) fn bounce(
-        &mut self,
-        (bodies, works): (&mut SolverBodies, &mut ContactWorks),
-        direct: &mut DirectGroup,
-        (h, threshold): (Real, Real),
-    ) {
-        self.mechanisms.iter_mut().for_each(|it| it.direct.threshold = f64::from(threshold));
-        self.solve_stage((bodies, works), direct, (ContactStage::Bounce, h));
-    }
-
-    fn solve_stage(
+    /// Solves joints and direct contacts of touched mechanisms, in a stage of a substep of `h`
+    /// \[s\]: again for those that have contacts in passes, a bounce for those that may.
+    pub(crate) fn solve_stage(
         &mut self,
         (bodies, works): (&mut SolverBodies, &mut ContactWorks),
         direct: &mut DirectGroup,
@@ -122,7 +81,7 @@ impl Mechanisms {
                 && match stage {
                     ContactStage::Positions | ContactStage::Velocities => true,
                     ContactStage::PositionsAgain => it.has_passes,
-                    ContactStage::Bounce => it.direct.bounces(),
+                    ContactStage::Bounce(_) => it.direct.bounces(),
                 }
         };
         for it in self.mechanisms.iter_mut().filter(|it| takes_part(it)) {
@@ -149,15 +108,15 @@ impl Mechanisms {
                         direct.write(*number, contact);
                         direct.add_to_total(*number, contact.normal_impulse());
                     }
-                    ContactStage::Bounce => direct.add_to_total(*number, contact.normal_impulse()),
+                    ContactStage::Bounce(_) => direct.add_to_total(*number, contact.normal_impulse()),
                 }
             }
         }
         bodies.lock_responses();
         works.after_joints(bodies);
         for it in self.mechanisms.iter().filter(|it| takes_part(it) && it.is_sound) {
-            for (contact, of_ends) in it.direct.contacts.iter().zip(&it.direct.works) {
-                for (end, work) in contact.ends.into_iter().zip(of_ends.of_ends) {
+            for (contact, done) in it.direct.contacts.iter().zip(&it.direct.works) {
+                for (end, work) in contact.ends.into_iter().zip(done.of_ends) {
                     works.leave_to_contacts(it.row(end), work);
                 }
             }
@@ -166,6 +125,11 @@ impl Mechanisms {
 }
 
 impl Mechanism {
+    /// The bodies that its joints connect, without the ground of locked axes.
+    fn jointed_bodies(&self) -> &[MechanismBody] {
+        &self.solver.bodies[..self.slots.len()]
+    }
+
     /// Forgets the direct contacts of the last substep.
     fn begin_direct(&mut self) {
         let Self { direct, solver, .. } = self;
@@ -208,7 +172,7 @@ impl Mechanism {
                 solver.take_back();
                 solver.solve_once(h, direct, stage);
             }
-            ContactStage::Velocities | ContactStage::Bounce => solver.solve_velocities_once(h, direct, stage),
+            ContactStage::Velocities | ContactStage::Bounce(_) => solver.solve_velocities_once(h, direct, stage),
         }
         *is_sound = solver.bodies.iter().chain(&direct.beside).all(MechanismBody::is_finite);
         if !*is_sound {
