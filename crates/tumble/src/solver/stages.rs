@@ -242,9 +242,9 @@ impl ContactConstraints {
         fours.places(Sheet::Fours, all_places);
     }
 
-    /// Where the contact with a number is laid out.
-    fn place(&self, number: u32) -> Place {
-        self.all_places[number as usize]
+    /// Where a contact is laid out.
+    fn place(&self, contact: &DirectContact) -> Place {
+        self.all_places[contact.number as usize]
     }
 
     /// Makes room for what [`SolverStage::Follow`] finds.
@@ -253,32 +253,32 @@ impl ContactConstraints {
         self.fours.make_room_for_lags();
     }
 
-    /// Reads the contact with a number, and its impulses.
-    pub(crate) fn read_direct(&mut self, number: u32, contact: &mut DirectContact) {
-        let Place { sheet, block, lane } = self.place(number);
+    /// Reads a contact and its impulses.
+    pub(crate) fn read_direct(&mut self, contact: &mut DirectContact) {
+        let Place { sheet, block, lane } = self.place(contact);
         match sheet {
             Sheet::Ones => direct_lanes::read(contact, (&self.ones.blocks(&(block..block + 1)), 0, lane)),
             Sheet::Fours => direct_lanes::read(contact, (&self.fours.blocks(&(block..block + 1)), 0, lane)),
         }
     }
 
-    /// Writes the impulses of the contact with a number.
-    pub(crate) fn write_direct(&mut self, number: u32, contact: &DirectContact) {
-        let Place { sheet, block, lane } = self.place(number);
+    /// Writes the impulses of a contact.
+    pub(crate) fn write_direct(&mut self, contact: &DirectContact) {
+        let Place { sheet, block, lane } = self.place(contact);
         match sheet {
             Sheet::Ones => direct_lanes::write(contact, (&mut self.ones.blocks(&(block..block + 1)), 0, lane)),
             Sheet::Fours => direct_lanes::write(contact, (&mut self.fours.blocks(&(block..block + 1)), 0, lane)),
         }
     }
 
-    /// Adds to what the contact with a number did along the normal \[N s\].
-    pub(crate) fn add_to_total(&mut self, number: u32, normal: f64) {
-        let Place { sheet, block, lane } = self.place(number);
+    /// Adds what a contact does along the normal to its total of the step.
+    pub(crate) fn add_to_total(&mut self, contact: &DirectContact) {
+        let Place { sheet, block, lane } = self.place(contact);
         let total = match sheet {
             Sheet::Ones => &mut self.ones.blocks[block].start.total_impulse[lane],
             Sheet::Fours => &mut self.fours.blocks[block].start.total_impulse[lane],
         };
-        *total += real(normal);
+        *total += real(contact.normal_impulse());
     }
 
     /// Stores the impulses in the contacts.

@@ -21,6 +21,8 @@ pub(crate) struct Push {
 /// A contact as it stands, and what it has done in this substep.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DirectContact {
+    /// Its number among all.
+    pub(crate) number: u32,
     /// Its bodies, among those of the mechanism and then those that are beside it.
     pub(crate) ends: [usize; 2],
     /// How many of the points are there.
@@ -56,9 +58,10 @@ pub(crate) struct DirectContact {
 }
 
 impl DirectContact {
-    pub(crate) fn new(ends: [usize; 2]) -> Self {
+    pub(crate) fn new(number: u32, ends: [usize; 2]) -> Self {
         let zero = Vec3::zero();
         Self {
+            number,
             ends,
             points: 0,
             normal: zero,

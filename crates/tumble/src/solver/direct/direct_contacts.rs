@@ -39,8 +39,6 @@ impl ContactStage {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct DirectContacts {
     pub(crate) contacts: Vec<DirectContact>,
-    /// By contact, its number among all.
-    pub(crate) numbers: Vec<u32>,
     /// Bodies that belong to no mechanism: their numbers follow on those of the mechanism's.
     pub(crate) beside: Vec<MechanismBody>,
     problem: ContactProblem,

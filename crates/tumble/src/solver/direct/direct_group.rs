@@ -60,19 +60,19 @@ impl DirectGroup {
         self.constraints.run(stage, bodies);
     }
 
-    /// Reads how the contact with a number among all stands, and its impulses in this substep.
-    pub(crate) fn read(&mut self, number: u32, contact: &mut DirectContact) {
-        self.constraints.read_direct(number, contact);
+    /// Reads how a contact stands, and its impulses in this substep.
+    pub(crate) fn read(&mut self, contact: &mut DirectContact) {
+        self.constraints.read_direct(contact);
     }
 
     /// Writes the impulses of a contact in this substep.
-    pub(crate) fn write(&mut self, number: u32, contact: &DirectContact) {
-        self.constraints.write_direct(number, contact);
+    pub(crate) fn write(&mut self, contact: &DirectContact) {
+        self.constraints.write_direct(contact);
     }
 
-    /// Adds to what a contact did along the normal in this step \[N s\].
-    pub(crate) fn add_to_total(&mut self, number: u32, normal: f64) {
-        self.constraints.add_to_total(number, normal);
+    /// Adds what a contact does along the normal to its total of the step.
+    pub(crate) fn add_to_total(&mut self, contact: &DirectContact) {
+        self.constraints.add_to_total(contact);
     }
 
     /// Stores the impulses in the contacts.

@@ -44,8 +44,7 @@ impl Mechanisms {
                     Some(Owner { body: Some(body), .. }) => body as usize,
                     _ => mechanism.beside(row, bodies),
                 });
-                mechanism.direct.contacts.push(DirectContact::new(ends));
-                mechanism.direct.numbers.push(contact.number);
+                mechanism.direct.contacts.push(DirectContact::new(contact.number, ends));
                 direct.contacts.push(contact);
             }
         }
@@ -88,9 +87,7 @@ impl Mechanisms {
             let moving = it.solver.bodies.iter_mut().take(it.slots.len());
             moving.chain(&mut it.direct.beside).for_each(|body| body.read_motion(bodies));
             it.direct.has_accounts = !works.is_empty();
-            for (contact, number) in it.direct.contacts.iter_mut().zip(&it.direct.numbers) {
-                direct.read(*number, contact);
-            }
+            it.direct.contacts.iter_mut().for_each(|contact| direct.read(contact));
         }
         works.before_joints(bodies);
         let solving = self.mechanisms.par_iter_mut().by_at_least(1).filter(|it| takes_part(it));
@@ -101,14 +98,14 @@ impl Mechanisms {
             }
             let all = it.solver.bodies.iter().chain(&it.direct.beside);
             all.for_each(|body| body.write_momentum(bodies));
-            for (contact, number) in it.direct.contacts.iter().zip(&it.direct.numbers) {
+            for contact in &it.direct.contacts {
                 match stage {
-                    ContactStage::Positions | ContactStage::PositionsAgain => direct.write(*number, contact),
+                    ContactStage::Positions | ContactStage::PositionsAgain => direct.write(contact),
                     ContactStage::Velocities => {
-                        direct.write(*number, contact);
-                        direct.add_to_total(*number, contact.normal_impulse());
+                        direct.write(contact);
+                        direct.add_to_total(contact);
                     }
-                    ContactStage::Bounce(_) => direct.add_to_total(*number, contact.normal_impulse()),
+                    ContactStage::Bounce(_) => direct.add_to_total(contact),
                 }
             }
         }
@@ -134,7 +131,6 @@ impl Mechanism {
     fn begin_direct(&mut self) {
         let Self { direct, solver, .. } = self;
         direct.contacts.clear();
-        direct.numbers.clear();
         direct.beside.clear();
         direct.works.clear();
         self.has_passes = false;
