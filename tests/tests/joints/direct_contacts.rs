@@ -12,7 +12,7 @@ use glam::{DQuat, DVec3};
 use hecs::Entity;
 use tumble::math::Real;
 use tumble::{
-    Axes, Collider, ContactEvent, Drive, Drives, Joint, Limit, Limits, Mass, Material, Momentum, RigidBody, Shape,
+    Axes, Collider, ContactEvent, Drive, Drives, Joint, Limit, Limits, Mass, Material, Momentum, Pose, RigidBody, Shape,
     Velocity,
 };
 use tumble_tests::references::real_quat;
@@ -157,6 +157,67 @@ fn it_stands_on_a_light_plank() {
 fn it_carries_a_heavy_crate() {
     for case in 0..u64::from(cases(200)) {
         Robot::new(&mut Draw::new(0xd2, case), Beside::Crate).stands(case);
+    }
+}
+
+/// Dropped askew, a corner strikes first and turns it within the step: none of the others goes into
+/// the ground by more than a part of the way of a substep.
+#[test]
+fn it_lands_askew() {
+    let mut deep = 0;
+    for case in 0..u64::from(cases(200)) {
+        let mut draw = Draw::new(0xd7, case);
+        let mut it = Robot::new(&mut draw, Beside::Nothing);
+        let tilt = draw.direction().with_y(0.0).normalize() * draw.between(0.01, 0.1);
+        let (turn, up) = (DQuat::from_scaled_axis(tilt), DVec3::Y * draw.between(0.05, 0.5) * it.size);
+        let base = it.rig.position(it.foot);
+        for body in [it.foot, it.trunk] {
+            let place = base + turn * (it.rig.position(body) - base) + up;
+            let mut pose = it.rig.world.get::<&mut Pose>(body).unwrap();
+            (pose.position, pose.orientation) = (real(place), real_quat(turn));
+        }
+        let mut deepest = 0.0_f64;
+        let time = (2.0 * it.size.sqrt()).max(10.0 * it.h);
+        while it.rig.simulation.time() < time {
+            it.rig.step();
+            deepest = deepest.max(-lowest(&it.rig, it.foot, it.half_foot));
+        }
+        let way = (2.0 * G * up.y).sqrt() * it.h;
+        let rounding = 30.0 * EPSILON * (it.far + it.size);
+        deep += u32::from(deepest > 0.1 * way + rounding);
+        assert!(deepest < 0.3 * way + rounding, "case {case}: {deepest:e} m of {way:e} m");
+    }
+    assert!(deep <= cases(200) / 40, "{deep} are deep");
+}
+
+/// 58 kg on half a kilogram, dropped from half a metre and tilted, on joints that hold the ankle or
+/// a servo.
+#[test]
+fn a_robot_lands_and_stands() {
+    for (name, substeps) in ["weld", "servo", "hinge"].into_iter().flat_map(|name| [(name, 4), (name, 16)]) {
+        let mut rig = Rig::new(down(), 1.0 / 60.0, substeps);
+        let material = Material::default();
+        ground(&mut rig.world, material, quat(DQuat::IDENTITY));
+        let (tilt, base) = (DQuat::from_rotation_z(0.1), DVec3::Y * 0.5);
+        let (half_foot, half_trunk) = (DVec3::new(0.2, 0.03, 0.15), DVec3::new(0.15, 0.5, 0.1));
+        let mut put = |half, mass, up: f64| cuboid(&mut rig, half, mass, base + tilt * DVec3::Y * up, tilt, material);
+        let (foot, trunk) = (put(half_foot, 0.5, 0.03), put(half_trunk, 58.0, 0.56));
+        let joint = if name == "weld" { Joint::fixed(foot, trunk) } else { Joint::hinge(foot, trunk) };
+        let joint = rig.join_at(joint, base + tilt * DVec3::Y * 0.06, DVec3::Z);
+        let drive = Drive::position(Axes::ANGULAR_X, 0.0);
+        match name {
+            "weld" => {}
+            "servo" => rig.world.insert_one(joint, Drives::from(drive.with_stiffness(30e3, 300.0))).unwrap(),
+            _ => rig.world.insert_one(joint, Drives::from(drive)).unwrap(),
+        }
+        let mut deepest = 0.0_f64;
+        while rig.simulation.time() < 4.0 {
+            rig.step();
+            deepest = deepest.max(-lowest(&rig, foot, half_foot));
+        }
+        assert!(deepest < 1e-4, "{name}, {substeps} substeps: {deepest:e} m");
+        let up = (rig.orientation(trunk) * DVec3::Y).y;
+        assert!(up > 0.995, "{name}, {substeps} substeps: {up}");
     }
 }
 

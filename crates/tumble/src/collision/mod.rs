@@ -24,6 +24,7 @@ pub(crate) mod contact_set;
 pub(crate) mod contact_ways;
 pub(crate) mod internal_edges;
 pub(crate) mod islands;
+pub(crate) mod jointed_reach;
 pub(crate) mod lost_momentum;
 pub(crate) mod material;
 pub(crate) mod narrow_phase;

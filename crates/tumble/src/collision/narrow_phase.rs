@@ -85,6 +85,10 @@ impl ShapeLanes {
         (self.poses.len() - 1) as u32
     }
 
+    pub(crate) fn set_reach(&mut self, slot: usize, reach: Real) {
+        self.sizes[slot].reach = reach;
+    }
+
     /// Some slots, to be set.
     pub(crate) fn part(&mut self, slots: Range<usize>) -> ShapeLanesPart<'_> {
         ShapeLanesPart { poses: &mut self.poses[slots.clone()], sizes: &mut self.sizes[slots] }

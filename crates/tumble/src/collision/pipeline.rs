@@ -270,6 +270,7 @@ impl CollisionPipeline {
         joints: &JointList,
     ) {
         self.update_aabbs(columns, intervals);
+        self.widen_jointed(joints);
         let Self { collider_states, colliders, broad_phase, near, .. } = self;
         let roles = Roles { groups: &colliders.groups, sensors: &colliders.sensors };
         near.find(collider_states, roles, broad_phase, joints);

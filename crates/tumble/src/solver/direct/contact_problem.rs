@@ -9,8 +9,8 @@
 
 use std::ops::Range;
 
+use crate::simd::{FourKernel, FourLane, dispatch_fours};
 use crate::solver::direct::dense;
-use crate::solver::direct::direct_contact::MAX_CONTACT_ROWS;
 use crate::solver::direct::newton_step::NewtonStep;
 
 /// The rows of one contact in a problem: points along the normal first, then two along the
@@ -59,14 +59,10 @@ pub(crate) struct ContactProblem {
 const MAX_ROUNDS: u32 = 10;
 const FIRST_SWEEPS: u32 = 2;
 const MAX_SWEEPS: u32 = 8;
-const LAST_SWEEPS: u32 = 20;
+const LAST_SWEEPS: u32 = 8;
 /// After this many steps a coarser solution does, by this factor.
 const FEW_ROUNDS: u32 = 2;
 const COARSE: f64 = 100.0;
-/// How often a sweep goes through the rows of a contact, at most, and until they change by this
-/// part of what they did first.
-const MAX_LOCAL: u32 = 8;
-const LOCAL_TOLERANCE: f64 = 1e-3;
 /// What a step leaves of the change of a sweep, at most, if it is kept.
 const KEPT: f64 = 0.9;
 /// What a sweep changes of speeds where impulses are found, of the greatest that there were.
@@ -115,6 +111,18 @@ impl ContactShape {
     }
 }
 
+/// Lets loops over numbers use the instruction set in force.
+struct Solve<'a> {
+    problem: &'a mut ContactProblem,
+}
+
+impl FourKernel for Solve<'_> {
+    #[inline(always)]
+    fn run<T: FourLane>(self) {
+        self.problem.solve_here();
+    }
+}
+
 impl ContactProblem {
     /// Of contacts with impulses, where nothing is known yet of speeds.
     pub(crate) fn resize(&mut self) {
@@ -135,6 +143,11 @@ impl ContactProblem {
 
     /// Finds the impulses, and the speeds with them.
     pub(crate) fn solve(&mut self) {
+        dispatch_fours(Solve { problem: self });
+    }
+
+    #[inline(always)]
+    fn solve_here(&mut self) {
         let greatest = self.speeds.iter().fold(0.0_f64, |most, speed| most.max(speed.abs()));
         if greatest == 0.0 {
             return;
@@ -144,7 +157,10 @@ impl ContactProblem {
         self.invert_friction();
         let (mut sweeps, mut least) = (FIRST_SWEEPS, f64::INFINITY);
         for round in 0..MAX_ROUNDS {
-            let left = (0..sweeps).fold(f64::INFINITY, |_, _| self.sweep());
+            let mut left = f64::INFINITY;
+            for _ in 0..sweeps {
+                left = self.sweep();
+            }
             if left <= if round < FEW_ROUNDS { tolerance } else { COARSE * tolerance } {
                 return;
             }
@@ -156,23 +172,16 @@ impl ContactProblem {
             self.slid_before.clear();
             self.slid_before.extend(self.contacts.iter().map(|contact| contact.slides));
             let value = self.value();
-            sweeps = (2 * sweeps).min(MAX_SWEEPS);
-            for is_whole in [true, false] {
-                if is_whole {
-                    self.set_newton_step();
-                    self.take_newton_step(1.0);
-                } else {
-                    self.go_to_bounds();
-                }
-                let has_fallen = !is_whole && self.value() < value;
-                let after = self.sweep();
-                if after <= tolerance {
-                    return;
-                }
-                if after < KEPT * left || has_fallen {
-                    sweeps = 1;
-                    break;
-                }
+            self.go_to_bounds();
+            let has_fallen = self.value() < value;
+            let after = self.sweep();
+            if after <= tolerance {
+                return;
+            }
+            if after < KEPT * left || has_fallen {
+                sweeps = 1;
+            } else {
+                sweeps = (2 * sweeps).min(MAX_SWEEPS);
                 self.go_back(|it| &it.before);
                 let contacts = self.contacts.iter_mut().zip(&self.slid_before);
                 contacts.for_each(|(contact, slides)| contact.slides = *slides);
@@ -187,6 +196,7 @@ impl ContactProblem {
     }
 
     /// Notes the speeds without impulses.
+    #[inline(always)]
     fn set_start(&mut self) {
         let n = self.len();
         let Self { start, speeds, impulses, responses, .. } = self;
@@ -199,12 +209,14 @@ impl ContactProblem {
     }
 
     /// What the impulses do to the energy \[J\].
+    #[inline(always)]
     fn value(&self) -> f64 {
         let speeds = self.speeds.iter().zip(&self.start).map(|(now, start)| now + start);
         0.5 * self.impulses.iter().zip(speeds).map(|(impulse, speed)| impulse * speed).sum::<f64>()
     }
 
     /// Takes impulses that there were.
+    #[inline(always)]
     fn go_back(&mut self, to: impl Fn(&Self) -> &[f64]) {
         for row in 0..self.len() {
             let change = to(self)[row] - self.impulses[row];
@@ -213,6 +225,7 @@ impl ContactProblem {
     }
 
     /// Adds to an impulse.
+    #[inline(always)]
     pub(super) fn add(&mut self, row: usize, change: f64) {
         if change != 0.0 {
             self.impulses[row] += change;
@@ -221,13 +234,17 @@ impl ContactProblem {
     }
 
     /// Lets the speeds of some rows follow a change of an impulse.
-    fn spread(&mut self, row: usize, change: f64, others: Range<usize>) {
+    #[inline(always)]
+    pub(super) fn spread(&mut self, row: usize, change: f64, others: Range<usize>) {
         let n = self.len();
         // Responses are symmetric.
         let responses = &self.responses[row * n..(row + 1) * n][others.clone()];
-        self.speeds[others].iter_mut().zip(responses).for_each(|(speed, response)| *speed += response * change);
+        for (speed, response) in self.speeds[others].iter_mut().zip(responses) {
+            *speed += response * change;
+        }
     }
 
+    #[inline(always)]
     pub(super) fn response(&self, row: usize, other: usize) -> f64 {
         self.responses[row * self.len() + other]
     }
@@ -237,100 +254,8 @@ impl ContactProblem {
         self.impulses[contact.normals()].iter().sum()
     }
 
-    /// Goes through all contacts once, and through each until its own rows agree; returns the
-    /// greatest change of a speed.
-    fn sweep(&mut self) -> f64 {
-        let mut most = 0.0_f64;
-        for number in 0..self.contacts.len() {
-            let mut contact = self.contacts[number];
-            let rows = contact.first..contact.first + contact.rows();
-            let mut before = [0.0; MAX_CONTACT_ROWS];
-            before[..rows.len()].copy_from_slice(&self.impulses[rows.clone()]);
-            let mut first = 0.0;
-            for round in 0..MAX_LOCAL {
-                let change = self.solve_contact(&mut contact);
-                first = if round == 0 { change } else { first };
-                if change <= LOCAL_TOLERANCE * first {
-                    break;
-                }
-            }
-            self.contacts[number].slides = contact.slides;
-            most = most.max(first);
-            for (row, before) in rows.clone().zip(before) {
-                let change = self.impulses[row] - before;
-                if change != 0.0 {
-                    self.spread(row, change, 0..rows.start);
-                    self.spread(row, change, rows.end..self.len());
-                }
-            }
-        }
-        most
-    }
-
-    /// Sets an impulse, and for now lets only the speeds of its own contact follow; returns the
-    /// change of its own speed, as a linear one.
-    fn set_within(&mut self, contact: &ContactShape, row: usize, impulse: f64) -> f64 {
-        let change = impulse - self.impulses[row];
-        if change != 0.0 {
-            self.impulses[row] += change;
-            self.spread(row, change, contact.first..contact.first + contact.rows());
-        }
-        (change * self.response(row, row)).abs() * contact.length(row)
-    }
-
-    /// Goes through the rows of a contact once, for the speeds of its own rows; returns the
-    /// greatest change of a speed.
-    fn solve_contact(&mut self, contact: &mut ContactShape) -> f64 {
-        let mut most = 0.0_f64;
-        for row in contact.normals() {
-            let response = self.response(row, row);
-            let wanted = self.impulses[row] - self.speeds[row] / response;
-            let wanted = if response > 0.0 && self.may_push[row] { wanted.max(0.0) } else { 0.0 };
-            most = most.max(self.set_within(contact, row, wanted));
-        }
-        let normal = self.normal(contact);
-        if contact.rolling > 0.0 {
-            most = most.max(self.limit_rolling(contact, contact.rolling * normal));
-        }
-        most.max(self.limit_friction(contact, normal))
-    }
-
-    /// Takes out as much of the rolling as a limit allows; returns the greatest change of a speed.
-    fn limit_rolling(&mut self, contact: &ContactShape, limit: f64) -> f64 {
-        let wanted = self.limited(contact.rolling(), |_| 1.0, limit);
-        let rows = contact.rolling().zip(wanted);
-        rows.fold(0.0, |most, (row, wanted)| most.max(self.set_within(contact, row, wanted)))
-    }
-
-    /// Takes out as much of sliding and twisting as friction allows for a normal impulse; returns
-    /// the greatest change of a speed.
-    fn limit_friction(&mut self, contact: &mut ContactShape, normal: f64) -> f64 {
-        let [hold, slide] = contact.friction.map(|friction| friction * normal);
-        let wanted = if normal > 0.0 {
-            let (held, size) = self.held(contact);
-            contact.slides = size > if contact.slides { slide } else { hold };
-            if contact.slides { self.limited(contact.sliding(), |row| contact.scale(row), slide) } else { held }
-        } else {
-            contact.slides = false;
-            [0.0; 3]
-        };
-        let rows = contact.sliding().zip(wanted);
-        rows.fold(0.0, |most, (row, wanted)| most.max(self.set_within(contact, row, wanted)))
-    }
-
-    /// The impulses with which nothing slides or twists, and how large they are together.
-    fn held(&self, contact: &ContactShape) -> ([f64; 3], f64) {
-        let (rows, inverse) = (contact.sliding(), &contact.inverse);
-        let mut held = [0.0; 3];
-        let speeds = &self.speeds[rows.clone()];
-        for ((held, impulse), inverse) in held.iter_mut().zip(&self.impulses[rows]).zip(inverse) {
-            let change: f64 = inverse.iter().zip(speeds).map(|(inverse, speed)| inverse * speed).sum();
-            *held = impulse - change;
-        }
-        (held, size(contact.sliding(), |row| contact.scale(row), &held))
-    }
-
     /// Sets the inverses of the responses of friction in each contact.
+    #[inline(always)]
     fn invert_friction(&mut self) {
         for number in 0..self.contacts.len() {
             let contact = self.contacts[number];
@@ -349,30 +274,4 @@ impl ContactProblem {
             self.contacts[number].inverse = inverse;
         }
     }
-
-    /// How far impulses of up to three rows go against a speed of one, in impulses that count
-    /// alike.
-    pub(super) fn rate(&self, rows: Range<usize>, scale: impl Fn(usize) -> f64) -> f64 {
-        let trace: f64 = rows.map(|row| self.response(row, row) * (1.0 / scale(row)).powi(2)).sum();
-        if trace > 0.0 { 1.0 / trace } else { 0.0 }
-    }
-
-    /// The impulses to which a step against the velocity of up to three rows leads, within a limit
-    /// for all of them.
-    fn limited(&self, rows: Range<usize>, scale: impl Fn(usize) -> f64, limit: f64) -> [f64; 3] {
-        let rate = self.rate(rows.clone(), &scale);
-        let mut wanted = [0.0; 3];
-        for (wanted, row) in wanted.iter_mut().zip(rows.clone()) {
-            let scale = scale(row);
-            *wanted = self.impulses[row] - rate * self.speeds[row] / (scale * scale);
-        }
-        let size = size(rows, scale, &wanted);
-        let part = if size > limit { limit / size } else { 1.0 };
-        wanted.map(|wanted| wanted * part)
-    }
-}
-
-/// How large impulses of some rows are together.
-fn size(rows: Range<usize>, scale: impl Fn(usize) -> f64, impulses: &[f64; 3]) -> f64 {
-    rows.zip(impulses).map(|(row, impulse)| (impulse * scale(row)).powi(2)).sum::<f64>().sqrt()
 }

@@ -2,6 +2,7 @@
 
 /// Solves `a x = b` for a matrix of as many rows as `b` has, row by row, by elimination with row
 /// exchanges; `a` is overwritten and `b` becomes `x`. A column without a pivot gives zero.
+#[inline(always)]
 pub(crate) fn solve(a: &mut [f64], b: &mut [f64]) {
     let n = b.len();
     for k in 0..n {
@@ -26,7 +27,9 @@ pub(crate) fn solve(a: &mut [f64], b: &mut [f64]) {
         for (other, right) in below.chunks_exact_mut(n).zip(&mut b[k + 1..]) {
             let factor = other[k] * inverse;
             if factor != 0.0 {
-                other[k..].iter_mut().zip(row).for_each(|(number, of_row)| *number -= factor * of_row);
+                for (number, of_row) in other[k..].iter_mut().zip(row) {
+                    *number -= factor * of_row;
+                }
                 *right -= factor * of_row;
             }
         }

@@ -68,7 +68,7 @@ pub(crate) struct DirectWork {
 }
 
 /// How often contacts are solved again where joints have changed with them.
-const MAX_REPEATS: u32 = 4;
+const MAX_REPEATS: u32 = 2;
 /// By how much contacts give way under a load, over what free fall does in a substep to as much
 /// mass as that of all bodies: redundant ones share it.
 const SOFTNESS: f64 = 1e-4;
@@ -220,6 +220,8 @@ impl DirectContacts {
             for (at, goal) in (shape.first..shape.first + shape.rows()).zip(&goals[number]) {
                 let responses = &problem.responses[at * n..(at + 1) * n];
                 let added: f64 = responses.iter().zip(&problem.impulses).map(|(response, by)| response * by).sum();
+                // A point that may not push has no goal.
+                let goal = if problem.may_push[at] { *goal } else { 0.0 };
                 before += problem.impulses[at] * (problem.speeds[at] + goal - added);
                 between += 0.5 * problem.impulses[at] * added;
             }

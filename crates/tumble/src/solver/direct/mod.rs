@@ -8,6 +8,7 @@
 pub(crate) mod contact_problem;
 #[cfg(test)]
 mod contact_problem_tests;
+mod contact_sweep;
 pub(crate) mod dense;
 pub(crate) mod direct_choice;
 pub(crate) mod direct_contact;

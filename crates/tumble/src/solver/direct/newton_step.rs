@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::solver::direct::contact_problem::{ContactProblem, ContactShape};
+use crate::solver::direct::contact_sweep::rate;
 use crate::solver::direct::dense;
 
 #[derive(Clone, Debug, Default)]
@@ -20,7 +21,8 @@ const MAX_BOUNDS: u32 = 4;
 impl ContactProblem {
     /// Finds a step of Newton's method for the equations of the points that carry, of friction and
     /// of rolling resistance, as they hold or slide now.
-    pub(super) fn set_newton_step(&mut self) {
+    #[inline(always)]
+    fn set_newton_step(&mut self) {
         let mut step = std::mem::take(&mut self.step);
         let NewtonStep { free, matrix, right } = &mut step;
         free.clear();
@@ -54,7 +56,8 @@ impl ContactProblem {
     }
 
     /// Takes a part of the step, but for what pulls then.
-    pub(super) fn take_newton_step(&mut self, part: f64) {
+    #[inline(always)]
+    fn take_newton_step(&mut self, part: f64) {
         let step = std::mem::take(&mut self.step);
         for (change, row) in step.right.iter().zip(&step.free).filter(|(change, _)| change.is_finite()) {
             self.add(*row, part * change);
@@ -69,6 +72,7 @@ impl ContactProblem {
     }
 
     /// That a row is to have its speed, if it is one of those that are free.
+    #[inline(always)]
     fn set_speed_equation(&self, row: usize, (free, matrix, right): (&[usize], &mut [f64], &mut [f64])) {
         let Ok(place) = free.binary_search(&row) else { return };
         let m = free.len();
@@ -80,6 +84,7 @@ impl ContactProblem {
 
     /// That rows hold or, where a step against their velocity leads beyond `limit` times the normal
     /// impulse, that their impulses are that limit against it.
+    #[inline(always)]
     fn set_equations(
         &self,
         contact: &ContactShape,
@@ -88,7 +93,7 @@ impl ContactProblem {
     ) {
         let (m, count, first) = (free.len(), rows.len(), rows.start);
         let Ok(place) = free.binary_search(&first) else { return };
-        let rate = self.rate(rows.clone(), &scale);
+        let rate = rate(rows.clone(), &scale, |row| self.response(row, row));
         let scale = |k: usize| scale(first + k);
         let impulse = |k: usize| self.impulses[first + k] * scale(k);
         let step: [f64; 3] =
@@ -108,26 +113,26 @@ impl ContactProblem {
         for k in 0..count {
             right[place + k] = most * along[k] - impulse(k);
             let numbers = &mut matrix[(place + k) * m..(place + k + 1) * m];
-            for (number, column) in numbers.iter_mut().zip(free) {
+            numbers.fill(0.0);
+            for s in 0..count {
                 // What a change of this impulse does to the step.
-                let mut sum = 0.0;
-                for s in 0..count {
-                    let across = f64::from(u8::from(s == k)) - along[k] * along[s];
-                    let own = if *column == first + s { scale(s) } else { 0.0 };
-                    sum -= part * across * (own - rate * self.response(first + s, *column) / scale(s));
+                let across = part * (f64::from(u8::from(s == k)) - along[k] * along[s]);
+                let by_speed = across * rate / scale(s);
+                let responses = &self.responses[(first + s) * self.len()..][..self.len()];
+                for (number, column) in numbers.iter_mut().zip(free) {
+                    *number += by_speed * responses[*column];
                 }
-                if *column == first + k {
-                    sum += scale(k);
-                }
-                if contact.normals().contains(column) {
-                    sum -= limit * along[k];
-                }
-                *number = sum;
+                numbers[place + s] -= across * scale(s);
+            }
+            numbers[place + k] += scale(k);
+            for number in contact.normals().filter_map(|row| free.binary_search(&row).ok()) {
+                numbers[number] -= limit * along[k];
             }
         }
     }
 
     /// Takes steps as far as the first point carries no more, and on without it.
+    #[inline(always)]
     pub(super) fn go_to_bounds(&mut self) {
         for _ in 0..MAX_BOUNDS {
             self.set_newton_step();

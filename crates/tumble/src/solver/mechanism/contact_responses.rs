@@ -18,6 +18,8 @@ pub(crate) struct JointsByContacts {
     numbers: Vec<Four>,
     /// The same times the inverse pivots.
     weighted: Vec<Four>,
+    /// Rows of the joints with a number for one of the contacts, and that number.
+    reached: Vec<(u32, f64)>,
 }
 
 impl MechanismSolver {
@@ -52,6 +54,9 @@ impl MechanismSolver {
     }
 }
 
+/// How many fours are summed up in one pass over the joints' rows.
+const SIDE_BY_SIDE: usize = 4;
+
 struct Subtract<'a> {
     solver: &'a MechanismSolver,
     speeds: &'a mut JointsByContacts,
@@ -63,22 +68,54 @@ impl FourKernel for Subtract<'_> {
     #[inline(always)]
     fn run<T: FourLane>(self) {
         let Self { solver, speeds, responses, n } = self;
-        let JointsByContacts { width, numbers, weighted } = speeds;
+        let JointsByContacts { width, numbers, weighted, reached } = speeds;
         let width = *width;
         solver.matrix.forward::<T>(numbers, width);
         weighted.clear();
         weighted.resize(numbers.len(), [0.0; 4]);
         solver.matrix.times_pivots::<T>(numbers, weighted, width);
-        for (of_row, weighted) in numbers.chunks_exact(width).zip(weighted.chunks_exact(width)) {
-            for (i, responses) in responses.chunks_exact_mut(n).enumerate() {
-                let factor = of_row[i / 4][i % 4];
-                if factor != 0.0 {
-                    // The half up to the diagonal.
-                    for (responses, weighted) in responses[..=i].chunks_mut(4).zip(weighted) {
-                        responses.iter_mut().zip(weighted).for_each(|(response, by)| *response -= factor * by);
-                    }
+        for (i, responses) in responses.chunks_exact_mut(n).enumerate() {
+            // Most joints of a tree are not reached by a contact.
+            let rows = (0..).zip(numbers.chunks_exact(width));
+            reached.clear();
+            reached.extend(rows.map(|(row, of_row)| (row, of_row[i / 4][i % 4])).filter(|(_, factor)| *factor != 0.0));
+            // The half up to the diagonal.
+            let (mut four, end) = (0, i / 4 + 1);
+            while four < end {
+                let of_row = |row: u32| &weighted[row as usize * width + four..];
+                let responses = &mut responses[4 * four..];
+                if four + SIDE_BY_SIDE <= end {
+                    subtract::<T, SIDE_BY_SIDE>(reached, of_row, responses);
+                    four += SIDE_BY_SIDE;
+                } else {
+                    subtract::<T, 1>(reached, of_row, responses);
+                    four += 1;
                 }
             }
         }
+    }
+}
+
+/// Takes the products of factors and the first fours of their rows off as many numbers as there
+/// are.
+#[inline(always)]
+fn subtract<'a, T: FourLane, const N: usize>(
+    factors: &[(u32, f64)],
+    of_row: impl Fn(u32) -> &'a [Four],
+    responses: &mut [f64],
+) {
+    let mut sums = [T::splat(0.0); N];
+    for (row, factor) in factors {
+        let (numbers, factor) = (&of_row(*row)[..N], T::splat(*factor));
+        for (sum, number) in sums.iter_mut().zip(numbers) {
+            *sum = *sum + factor * T::load(number);
+        }
+    }
+    let mut stored = [[0.0; 4]; N];
+    for (stored, sum) in stored.iter_mut().zip(sums) {
+        sum.store(stored);
+    }
+    for (response, sum) in responses.iter_mut().zip(stored.as_flattened()) {
+        *response -= sum;
     }
 }

@@ -55,6 +55,8 @@ pub(crate) struct FreeRow {
     /// Where it stands.
     pub(crate) value: f64,
     pub(crate) mode: Mode,
+    /// That of the half before, where neither motor nor friction acts in the other half.
+    kept_mode: Option<Mode>,
     /// Whether it was past a bound where the substep began: what brings it back is no speed to
     /// keep.
     pub(crate) is_corrected: bool,
@@ -90,6 +92,7 @@ impl FreeRow {
             mass: f64::INFINITY,
             value: 0.0,
             mode: Mode::Loose(0.0, 0.0),
+            kept_mode: None,
             is_corrected: false,
             gamma: 0.0,
             bias: 0.0,
@@ -276,11 +279,18 @@ impl FreeRow {
             };
             self.speed_in_bounds = self.motor_speed.clamp(-within[0], within[1]);
         }
+        if phase == Phase::Positions {
+            self.mode = self.kept_mode.take().unwrap_or(self.mode);
+        }
         match (phase, first_speed) {
             (Phase::Begin, _) if self.is_held() => self.mode = Mode::AtLower,
             (Phase::Begin, _) => self.mode = Mode::Loose(0.0, 0.0),
             (Phase::Positions, Some(speed)) => self.mode = self.first_mode(speed, h),
             _ if self.value.is_nan() && self.is_at_bound() => self.mode = self.mode_without_bound(0.0),
+            (Phase::Velocities, _) if share == 0.0 => {
+                self.kept_mode = Some(self.mode);
+                self.mode = if self.is_at_bound() { self.mode } else { self.mode_without_bound(0.0) };
+            }
             _ => {}
         }
         self.pushed = 0.0;
@@ -301,9 +311,9 @@ impl FreeRow {
     }
 
     fn mode_without_bound(&self, speed: f64) -> Mode {
-        if self.motor.is_some() {
+        if self.motor_impulse > 0.0 {
             Mode::Driven
-        } else if self.friction > 0.0 {
+        } else if self.friction_impulse > 0.0 {
             if speed == 0.0 { Mode::Stuck(0.0) } else { Mode::Loose(0.0, -speed.signum()) }
         } else {
             Mode::Loose(0.0, 0.0)
@@ -424,7 +434,7 @@ impl FreeRow {
         if motor != 0.0 && (speed - self.speed_in_bounds) * motor > 0.0 {
             return Mode::Driven;
         }
-        if self.friction > 0.0 && speed * friction > 0.0 {
+        if self.friction_impulse > 0.0 && speed * friction > 0.0 {
             return Mode::Stuck(motor);
         }
         Mode::Loose(motor, friction)
