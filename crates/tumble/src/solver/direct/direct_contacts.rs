@@ -47,6 +47,8 @@ pub(crate) struct DirectContacts {
     begun: Vec<[f64; MAX_CONTACT_ROWS]>,
     /// Overlaps up to this are rounding \[m\].
     pub(crate) rounding: f64,
+    /// Whether its bodies have other contacts, in passes.
+    pub(crate) has_passes: bool,
     /// Whether work is booked.
     pub(crate) has_accounts: bool,
     /// By contact, work in the last stage.
@@ -87,7 +89,9 @@ impl DirectContacts {
         }
         self.begin(solver, stage);
         solver.solve_half(half);
-        for repeat in 0..MAX_REPEATS {
+        // Passes are to solve the others, and then all is solved again.
+        let repeats = if self.has_passes { 1 } else { MAX_REPEATS };
+        for repeat in 0..repeats {
             self.set_problem(solver, (half, stage), repeat == 0);
             self.problem.solve();
             if stage.is_bounce() {

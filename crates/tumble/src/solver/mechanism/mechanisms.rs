@@ -68,9 +68,8 @@ pub(super) struct Mechanism {
     locked: Vec<LockedEnd>,
     /// Whether a contact acts on one of its bodies in this substep.
     pub(super) is_touched: bool,
-    /// The contacts that are solved with the joints, and whether there are others, in passes.
+    /// The contacts that are solved with the joints.
     pub(super) direct: DirectContacts,
-    pub(super) has_passes: bool,
     /// Whether all its numbers are finite.
     pub(super) is_sound: bool,
 }
@@ -426,7 +425,7 @@ impl Mechanisms {
 impl Mechanism {
     fn new(solver: MechanismSolver, slots: Vec<Slot>, joints: Vec<u32>, locked: Vec<LockedEnd>) -> Self {
         let direct = DirectContacts::default();
-        Self { solver, slots, joints, locked, is_touched: false, direct, has_passes: false, is_sound: true }
+        Self { solver, slots, joints, locked, is_touched: false, direct, is_sound: true }
     }
 
     /// Has the rows of locked axes begin where the bodies are, along the axes of the world.

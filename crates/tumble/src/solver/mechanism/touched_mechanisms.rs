@@ -52,7 +52,7 @@ impl Mechanisms {
         contacts.retain(|_| places.next().is_none_or(|place| !choice.is_direct(place)));
         direct.rounds.extend(rounds.extract_if(.., |round| choice.is_number_direct(round.number())));
         for owner in contacts.iter().flat_map(|contact| contact.rows).filter_map(|row| choice.owner(row)) {
-            mechanisms[owner.mechanism as usize].has_passes = true;
+            mechanisms[owner.mechanism as usize].direct.has_passes = true;
         }
     }
 
@@ -79,7 +79,7 @@ impl Mechanisms {
             it.is_touched
                 && match stage {
                     ContactStage::Positions | ContactStage::Velocities => true,
-                    ContactStage::PositionsAgain => it.has_passes,
+                    ContactStage::PositionsAgain => it.direct.has_passes,
                     ContactStage::Bounce(_) => it.direct.bounces(),
                 }
         };
@@ -133,7 +133,7 @@ impl Mechanism {
         direct.contacts.clear();
         direct.beside.clear();
         direct.works.clear();
-        self.has_passes = false;
+        direct.has_passes = false;
         let farthest = solver.bodies.iter().map(|body| {
             let place = body.position();
             place.x.abs().max(place.y.abs()).max(place.z.abs())
