@@ -31,8 +31,10 @@ use std::time::{Duration, Instant};
 
 use hecs::{Entity, World};
 use tumble::math::{PRECISION, Vec3, dvec3};
-use tumble::{BodyOrder, Joint, Mass, Pose, Settings, Simulation, Totals, simd_name};
-use tumble_benches::{JointKind, LINK, RapierJoints, RapierWorld, arm, bridge, chain, pendulums, pool};
+use tumble::{BodyOrder, Collider, Joint, Mass, Pose, Settings, Simulation, Totals, simd_name};
+use tumble_benches::{
+    BONE, JointKind, LINK, RapierJoints, RapierWorld, arm, bridge, chain, net, pendulums, pool, ragdolls,
+};
 
 type RunStatus<T> = Result<T, Box<dyn std::error::Error + Send + Sync>>;
 
@@ -53,7 +55,7 @@ struct Scene {
     has_multibody: bool,
 }
 
-const SCENES: [Scene; 8] = [
+const SCENES: [Scene; 10] = [
     Scene { name: "chain of 100 balls", made: || chain(100, JointKind::Ball), swings: true, has_multibody: true },
     Scene { name: "chain of 1000 balls", made: || chain(1_000, JointKind::Ball), swings: true, has_multibody: false },
     Scene { name: "chain of 10000 balls", made: || chain(10_000, JointKind::Ball), swings: true, has_multibody: false },
@@ -71,6 +73,8 @@ const SCENES: [Scene; 8] = [
         swings: false,
         has_multibody: false,
     },
+    Scene { name: "net of 19800 balls", made: || net(100), swings: false, has_multibody: false },
+    Scene { name: "heap of 160 ragdolls", made: || ragdolls(160), swings: false, has_multibody: false },
     Scene { name: "arm of 10 driven hinges", made: || arm(10), swings: false, has_multibody: true },
 ];
 
@@ -224,7 +228,10 @@ impl Scene {
             if !self.has_multibody && joints == RapierJoints::Multibody {
                 continue;
             }
-            if let Some(peer) = RapierWorld::new(&start, &settings, joints) {
+            if let Some(mut peer) = RapierWorld::new(&start, &settings, joints) {
+                if start.query::<&Collider>().iter().len() > 0 {
+                    peer.add_capsules(BONE, 0.6);
+                }
                 runs.push(Run::new(name, Engine::Rapier(Box::new(peer))));
             }
         }

@@ -1,8 +1,11 @@
-//! Benchmark scenes with joints: chains, pendulums, a rope bridge, an arm with drives and limits.
+//! Benchmark scenes with joints: chains, pendulums, nets, a rope bridge, an arm with drives and
+//! limits, a heap of ragdolls.
 
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
-use tumble::{Axes, BodyId, Drive, Drives, Joint, JointError, Limit, Limits, RigidBody, Shape};
+use tumble::{
+    Axes, BodyId, Collider, Drive, Drives, Joint, JointError, Limit, Limits, Material, RigidBody, Shape,
+};
 
 /// Length of a link of a chain \[m\].
 pub const LINK: Real = 0.1;
@@ -113,6 +116,95 @@ pub fn arm(links: usize) -> World {
         last = link;
     }
     world
+}
+
+/// A square net of balls half a metre apart, this many to a side, each joined to its neighbours
+/// half-way; it hangs on its first row, which is fixed, and is let go from where it lies flat.
+pub fn net(side: usize) -> World {
+    const APART: Real = 0.5;
+    let mut world = World::new();
+    let place = |row: usize, column: usize| Vec3::new(column as Real, 0.0, row as Real) * APART;
+    let mut balls: Vec<Entity> = Vec::with_capacity(side * side);
+    for number in 0..side * side {
+        let (row, column) = (number / side, number % side);
+        let at = place(row, column);
+        balls.push(if row == 0 {
+            fixed(&mut world, number, at)
+        } else {
+            let ball = RigidBody::new(Shape::sphere(0.1)).without_collider().mass(1.0).id(BodyId(number as u64));
+            spawn(&mut world, ball.position(at))
+        });
+        let before = [(row > 0).then(|| (row - 1, column)), (column > 0).then(|| (row, column - 1))];
+        for (other_row, other_column) in before.into_iter().flatten() {
+            let middle = (at + place(other_row, other_column)) * 0.5;
+            JointKind::Ball.connect(&mut world, [balls[other_row * side + other_column], balls[number]], middle);
+        }
+    }
+    world
+}
+
+/// Of the capsules that ragdolls consist of, along y: half the height of the cylinder and the
+/// radius \[m\].
+pub const BONE: [Real; 2] = [0.1, 0.06];
+
+/// Ragdolls of 23 capsules of 3 kg on ball joints without limits, which lie in the air in towers of
+/// ten, two abreast, and fall on the ground in a heap.
+pub fn ragdolls(count: usize) -> World {
+    let mut world = World::new();
+    let ground = Collider::half_space().with_material(material()).expect("a possible material");
+    let body = RigidBody::new(Shape::Point).fixed().id(BodyId(0));
+    body.build().expect("a possible body").spawn_with(&mut world, (ground,));
+    for number in 0..count {
+        let (layer, tower) = (number / TOWERS, number % TOWERS);
+        let beside = Vec3::new((tower % 4) as Real * 1.2, 0.0, (tower / 4) as Real * 2.0);
+        // Each layer is pushed aside a little, or towers would stand.
+        let aside = Vec3::new((layer % 3) as Real * 0.15, 0.5 + layer as Real * 0.4, (layer % 2) as Real * 0.1);
+        ragdoll(&mut world, 1 + number * BONES, beside + aside);
+    }
+    world
+}
+
+const TOWERS: usize = 16;
+const BONES: usize = 23;
+
+fn material() -> Material {
+    Material { static_friction: 0.6, dynamic_friction: 0.6, ..Material::default() }
+}
+
+/// One ragdoll on its back, its bones along z: a spine of seven, and from it two arms and two legs
+/// of four.
+fn ragdoll(world: &mut World, first_id: usize, at: Vec3) {
+    let length = 2.0 * (BONE[0] + BONE[1]);
+    // A quarter of a turn about x.
+    let along = Quat::from_xyzw(1.0, 0.0, 0.0, 1.0).normalize();
+    let shape = Shape::capsule(BONE[1], BONE[0]);
+    let collider = Collider::new(&shape).and_then(|it| it.with_material(material())).expect("a possible collider");
+    let mut bones: Vec<(Entity, Vec3)> = Vec::with_capacity(BONES);
+    let mut add = |world: &mut World, at: Vec3, parent: Option<usize>| {
+        let body = RigidBody::new(shape.clone()).mass(3.0).position(at).orientation(along);
+        let body = body.id(BodyId((first_id + bones.len()) as u64)).build().expect("a possible body");
+        let bone = body.spawn_with(world, (collider.clone(),));
+        if let Some((other, place)) = parent.map(|parent| bones[parent]) {
+            JointKind::Ball.connect(world, [other, bone], (at + place) * 0.5);
+        }
+        bones.push((bone, at));
+        bones.len() - 1
+    };
+    let mut last = None;
+    for i in 0..7 {
+        last = Some(add(world, at + Vec3::Z * (i as Real * length), last));
+    }
+    // Legs go on from the first bone, arms back from the sixth.
+    for (parent, from, step) in [(0, 0.0, -length), (5, 5.0 * length, -length)] {
+        for side in [-1.0, 1.0] {
+            let mut last = Some(parent);
+            for i in 0..4 {
+                let aside = Vec3::X * (side * (0.13 + 0.04 * i as Real));
+                let down = Vec3::Z * (from + step * (i as Real + 0.5));
+                last = Some(add(world, at + aside + down, last));
+            }
+        }
+    }
 }
 
 fn fixed(world: &mut World, id: usize, at: Vec3) -> Entity {

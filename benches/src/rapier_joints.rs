@@ -11,7 +11,7 @@ use std::f32::consts::TAU;
 
 use hecs::{Entity, World};
 use rapier3d::prelude as rapier;
-use tumble::math::{Quat, Vec3};
+use tumble::math::{Quat, Real, Vec3};
 use tumble::{Axes, BodyId, Drives, Gain, Inertia, Joint, Limits, Mass, Pose, Settings};
 
 /// With which of Rapier's joints a world is rebuilt.
@@ -62,6 +62,22 @@ impl RapierWorld {
             }
         }
         Some(Self { world, bodies })
+    }
+
+    /// Gives all bodies that move a capsule along y of this half height and radius \[m\], which does
+    /// not touch those that it is joined to, and puts the ground below y = 0.
+    pub fn add_capsules(&mut self, [half_height, radius]: [Real; 2], friction: f32) {
+        let capsule = rapier::ColliderBuilder::capsule_y(half_height as f32, radius as f32).density(0.0);
+        for body in self.bodies.values().copied() {
+            if self.world.bodies[body].is_dynamic() {
+                self.world.insert_collider(capsule.clone().friction(friction), Some(body));
+            }
+        }
+        let ground = rapier::ColliderBuilder::cuboid(1e3, 1.0, 1e3).translation(vector(-Vec3::Y));
+        self.world.insert_collider(ground.friction(friction), None);
+        for (_, joint) in self.world.impulse_joints.iter_mut() {
+            joint.data.set_contacts_enabled(false);
+        }
     }
 
     /// A step, in the pool of the caller.
