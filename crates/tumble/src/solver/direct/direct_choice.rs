@@ -3,9 +3,10 @@
 //! Contacts of its bodies with what is not dynamic come first, then free bodies join it with
 //! theirs: an impulse that a light body of it takes from a heavy free one, or through a light one
 //! to the ground, is answered by all of them. The most loaded come first, as far as a budget goes.
-//! All others are in passes, also those of two of its own bodies: where joints keep what overlaps
-//! from parting, the impulses that would part it have no bound, and in passes they are those of the
-//! two bodies alone.
+//! A mechanism that lies with more than that on the ground, or rather on other mechanisms, is in a
+//! heap: all its contacts are in passes. So are those of two of its own bodies: where joints keep
+//! what overlaps from parting, the impulses that would part it have no bound, and in passes they
+//! are those of the two bodies alone.
 
 use crate::collision::contact::ContactRecord;
 use crate::math::Real;
@@ -132,6 +133,9 @@ impl DirectChoice {
         self.waiting.clear();
         self.chosen.clear();
         bodies.iter().filter(|body| body.is_moved()).for_each(|body| self.wait_for(body.row));
+        if self.is_in_heap(of, mechanism) {
+            return;
+        }
         let mut left = MAX_ROWS;
         // What has all its bodies in the mechanism, then the next body that joins it.
         loop {
@@ -154,6 +158,26 @@ impl DirectChoice {
             self.wait_for(row);
         }
         self.chosen.sort_unstable();
+    }
+
+    /// Whether a mechanism lies with more on the ground than the budget, or rather on others.
+    fn is_in_heap(&mut self, of: Candidates<'_>, mechanism: u32) -> bool {
+        self.waiting.sort_unstable();
+        self.waiting.dedup();
+        let (mut direct, mut others) = (0, 0);
+        for place in &self.waiting {
+            match self.lacks(of, *place, mechanism) {
+                Lack::Nothing => direct += of.rows(*place),
+                Lack::Other if self.is_between_mechanisms(of, *place) => others += of.rows(*place),
+                Lack::Body(_) | Lack::Other => {}
+            }
+        }
+        direct > MAX_ROWS || others > direct
+    }
+
+    fn is_between_mechanisms(&self, of: Candidates<'_>, place: u32) -> bool {
+        let [first, second] = of.contacts[place as usize].rows.map(|row| self.owner(row).map(|it| it.mechanism));
+        first.is_some() && second.is_some() && first != second
     }
 
     /// Has the contacts of a body wait.
