@@ -3,9 +3,7 @@
 
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
-use tumble::{
-    Axes, BodyId, Collider, Drive, Drives, Joint, JointError, Limit, Limits, Material, RigidBody, Shape,
-};
+use tumble::{Axes, BodyId, Collider, Drive, Drives, Joint, JointError, Limit, Limits, Material, RigidBody, Shape};
 
 /// Length of a link of a chain \[m\].
 pub const LINK: Real = 0.1;

@@ -64,8 +64,8 @@ impl RapierWorld {
         Some(Self { world, bodies })
     }
 
-    /// Gives all bodies that move a capsule along y of this half height and radius \[m\], which does
-    /// not touch those that it is joined to, and puts the ground below y = 0.
+    /// Gives all bodies that move a capsule along y of this half height and radius \[m\] that does
+    /// not touch its neighbours on joints, and puts the ground below y = 0.
     pub fn add_capsules(&mut self, [half_height, radius]: [Real; 2], friction: f32) {
         let capsule = rapier::ColliderBuilder::capsule_y(half_height as f32, radius as f32).density(0.0);
         for body in self.bodies.values().copied() {

@@ -444,6 +444,19 @@ fn the_figure_falls_and_lies_within_its_limits() {
     assert!(fastest < 1e-2 && highest < 0.6, "{fastest} {highest}");
 }
 
+/// A heap of mechanisms: contacts between them are in passes, and where one falls on another limits
+/// are overrun by five degrees.
+#[test]
+fn figures_fall_on_each_other_and_come_to_rest() {
+    let mut run = Run::of("ragdolls");
+    let Falling { rise, gap, overrun, fastest } = run.falls();
+    let heights = run.bodies.keys().filter(|name| *name != "ground").map(|name| run.place(name).y);
+    let [lowest, highest] = heights.fold([f64::INFINITY, 0.0], |[low, high], y| [low.min(y), high.max(y)]);
+    assert!(gap < 2e-3 && overrun < 0.1, "{gap:e} {overrun:e}");
+    assert!(rise < 1e-3 * run.start(), "{rise:e}");
+    assert!(fastest < 5e-2 && lowest > 0.02 && highest < 1.2, "{fastest} {lowest} {highest}");
+}
+
 #[test]
 fn the_robot_lands_on_its_light_feet_and_stands() {
     let mut run = Run::of("robot");

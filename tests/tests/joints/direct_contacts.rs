@@ -12,8 +12,8 @@ use glam::{DQuat, DVec3};
 use hecs::Entity;
 use tumble::math::Real;
 use tumble::{
-    Axes, Collider, ContactEvent, Drive, Drives, Joint, Limit, Limits, Mass, Material, Momentum, Pose, RigidBody, Shape,
-    Velocity,
+    Axes, Collider, ContactEvent, Drive, Drives, Joint, Limit, Limits, Mass, Material, Momentum, Pose, RigidBody,
+    Shape, Velocity,
 };
 use tumble_tests::references::real_quat;
 use tumble_tests::touching::{collider, ground, surfaced};

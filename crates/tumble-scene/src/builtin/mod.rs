@@ -13,7 +13,7 @@ use crate::model::scene_model::SceneModel;
 pub(crate) const STRESS: &str = "stress";
 
 /// Scenes, each with the source of its figures in the file.
-const FILES: [(&str, &str); 21] = [
+const FILES: [(&str, &str); 22] = [
     ("arm", include_str!("../../scenes/arm.json")),
     ("clockwork", include_str!("../../scenes/clockwork.json")),
     ("crane", include_str!("../../scenes/crane.json")),
@@ -26,6 +26,7 @@ const FILES: [(&str, &str); 21] = [
     ("mujoco-box", include_str!("../../scenes/mujoco-box.json")),
     ("raft", include_str!("../../scenes/raft.json")),
     ("ragdoll", include_str!("../../scenes/ragdoll.json")),
+    ("ragdolls", include_str!("../../scenes/ragdolls.json")),
     ("robot", include_str!("../../scenes/robot.json")),
     ("rope-bridge", include_str!("../../scenes/rope-bridge.json")),
     ("satellite", include_str!("../../scenes/satellite.json")),
@@ -110,8 +111,8 @@ mod tests {
     fn the_names_are_sorted_and_complete() {
         let names: Vec<_> = builtin_names().collect();
         let known = "arm bowling clockwork cradle crane dominoes drake-cylinder drum firing-range foucault gimbals heavy-chain \
-                     hills iss mujoco-box pile pyramid raft ragdoll robot rope-bridge satellite skater solar-system spheres stress \
-                     t-handle van-zon-top wall weighted-sphere windy-day";
+                     hills iss mujoco-box pile pyramid raft ragdoll ragdolls robot rope-bridge satellite skater solar-system spheres \
+                     stress t-handle van-zon-top wall weighted-sphere windy-day";
         assert_eq!(names.join(" "), known);
     }
 }
