@@ -1,5 +1,5 @@
-//! What joints cost: chains, pendulums, a rope bridge, and an arm with drives and limits. A step of
-//! 1/60 s in four substeps.
+//! What joints cost: chains, pendulums, nets, a rope bridge, an arm with drives and limits, such arms
+//! in a batch, and a heap of ragdolls. A step of 1/60 s in four substeps.
 //!
 //! `cargo bench --bench joints`; with `--features peers` the same scenes are run in Rapier in the
 //! same process: its impulse joints with its default of four iterations, and where there are no
@@ -14,12 +14,14 @@
 mod setup;
 
 use criterion::measurement::WallTime;
-use criterion::{BenchmarkGroup, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use criterion::{BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use hecs::World;
-use tumble::{Joint, Settings, Simulation};
-use tumble_benches::{JointKind, arm, bridge, chain, label, pendulums, pool};
 #[cfg(feature = "peers")]
-use tumble_benches::{RapierJoints, RapierWorld};
+use tumble::Collider;
+use tumble::{Batch, Joint, Settings, Simulation, Trial};
+#[cfg(feature = "peers")]
+use tumble_benches::{BONE, RapierJoints, RapierWorld};
+use tumble_benches::{JointKind, arm, bridge, chain, label, net, pendulums, pool, pools, ragdolls};
 
 /// The same scene in both engines; `with_multibody` where Rapier's take less than a second a step.
 #[cfg_attr(not(feature = "peers"), allow(unused_variables, reason = "there is no other engine"))]
@@ -46,7 +48,11 @@ fn scene(group: &mut BenchmarkGroup<'_, WallTime>, size: usize, with_multibody: 
             if joints == RapierJoints::Multibody && !with_multibody {
                 continue;
             }
-            let Some(mut peer) = RapierWorld::new(&made(), simulation.settings(), joints) else { return };
+            let start = made();
+            let Some(mut peer) = RapierWorld::new(&start, simulation.settings(), joints) else { return };
+            if start.query::<&Collider>().iter().len() > 0 {
+                peer.add_capsules(BONE, 0.6);
+            }
             run(name, &mut || peer.step());
         }
     }
@@ -77,15 +83,44 @@ fn bridges(criterion: &mut Criterion) {
     }
 }
 
+/// Of balls joined to their neighbours, as many to a side.
+fn nets(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("net of balls");
+    group.sampling_mode(SamplingMode::Flat);
+    scene(&mut group, 30, false, || net(30));
+}
+
 /// Hinges with a drive and limits each.
 fn arms(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("arm with drives and limits");
     scene(&mut group, 10, true, || arm(10));
 }
 
+/// Arms of seven links in worlds of their own; an element is a substep of one.
+fn arms_in_a_batch(criterion: &mut Criterion) {
+    const ARMS: u64 = 4096;
+    let settings = Settings::default();
+    let trials = (0..ARMS).map_while(|_| Trial::new(settings, arm(7)).ok());
+    let mut batch: Batch = trials.collect();
+    let mut group = criterion.benchmark_group("arms of seven hinges in a batch");
+    group.sampling_mode(SamplingMode::Flat);
+    group.throughput(Throughput::Elements(ARMS * u64::from(settings.contact_substeps)));
+    for pool in pools() {
+        let id = BenchmarkId::new(label(&pool), ARMS);
+        group.bench_function(id, |bencher| pool.install(|| bencher.iter(|| batch.step_many(1))));
+    }
+}
+
+/// As they fall and land: a step is one of the first seconds.
+fn heaps(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("heap of ragdolls");
+    group.sampling_mode(SamplingMode::Flat);
+    scene(&mut group, 160, false, || ragdolls(160));
+}
+
 criterion_group! {
     name = benches;
     config = setup::criterion();
-    targets = chains, many_pendulums, bridges, arms
+    targets = chains, many_pendulums, bridges, nets, arms, arms_in_a_batch, heaps
 }
 criterion_main!(benches);
