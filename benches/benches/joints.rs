@@ -1,5 +1,5 @@
-//! What joints cost: chains, pendulums, nets, a rope bridge, an arm with drives and limits, such arms
-//! in a batch, and a heap of ragdolls. A step of 1/60 s in four substeps.
+//! What joints cost: chains, pendulums, nets, a rope bridge, an arm with drives and limits, such
+//! arms in a batch, and a heap of ragdolls. A step of 1/60 s in four substeps.
 //!
 //! `cargo bench --bench joints`; with `--features peers` the same scenes are run in Rapier in the
 //! same process: its impulse joints with its default of four iterations, and where there are no
