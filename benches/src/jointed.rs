@@ -3,7 +3,9 @@
 
 use hecs::{Entity, World};
 use tumble::math::{Quat, Real, Vec3};
-use tumble::{Axes, BodyId, Collider, Drive, Drives, Joint, JointError, Limit, Limits, Material, RigidBody, Shape};
+use tumble::{
+    Axes, BodyId, Collider, ColliderError, Drive, Drives, Joint, JointError, Limit, Limits, Material, RigidBody, Shape,
+};
 
 /// Length of a link of a chain \[m\].
 pub const LINK: Real = 0.1;
@@ -149,9 +151,7 @@ pub const BONE: [Real; 2] = [0.1, 0.06];
 /// ten, two abreast, and fall on the ground in a heap.
 pub fn ragdolls(count: usize) -> World {
     let mut world = World::new();
-    let ground = Collider::half_space().with_material(material()).expect("a possible material");
-    let body = RigidBody::new(Shape::Point).fixed().id(BodyId(0));
-    body.build().expect("a possible body").spawn_with(&mut world, (ground,));
+    touching(&mut world, RigidBody::new(Shape::Point).fixed().id(BodyId(0)), Ok(Collider::half_space()));
     for number in 0..count {
         let (layer, tower) = (number / TOWERS, number % TOWERS);
         let beside = Vec3::new((tower % 4) as Real * 1.2, 0.0, (tower / 4) as Real * 2.0);
@@ -165,8 +165,12 @@ pub fn ragdolls(count: usize) -> World {
 const TOWERS: usize = 16;
 const BONES: usize = 23;
 
-fn material() -> Material {
-    Material { static_friction: 0.6, dynamic_friction: 0.6, ..Material::default() }
+/// Spawns a body with a collider of friction 0.6.
+#[allow(clippy::expect_used, reason = "the bodies and colliders made here are possible")]
+fn touching(world: &mut World, body: RigidBody, collider: Result<Collider, ColliderError>) -> Entity {
+    let material = Material { static_friction: 0.6, dynamic_friction: 0.6, ..Material::default() };
+    let collider = collider.and_then(|it| it.with_material(material)).expect("a possible collider");
+    body.build().expect("a possible body").spawn_with(world, (collider,))
 }
 
 /// One ragdoll on its back, its bones along z: a spine of seven, and from it two arms and two legs
@@ -176,12 +180,10 @@ fn ragdoll(world: &mut World, first_id: usize, at: Vec3) {
     // A quarter of a turn about x.
     let along = Quat::from_xyzw(1.0, 0.0, 0.0, 1.0).normalize();
     let shape = Shape::capsule(BONE[1], BONE[0]);
-    let collider = Collider::new(&shape).and_then(|it| it.with_material(material())).expect("a possible collider");
     let mut bones: Vec<(Entity, Vec3)> = Vec::with_capacity(BONES);
     let mut add = |world: &mut World, at: Vec3, parent: Option<usize>| {
         let body = RigidBody::new(shape.clone()).mass(3.0).position(at).orientation(along);
-        let body = body.id(BodyId((first_id + bones.len()) as u64)).build().expect("a possible body");
-        let bone = body.spawn_with(world, (collider.clone(),));
+        let bone = touching(world, body.id(BodyId((first_id + bones.len()) as u64)), Collider::new(&shape));
         if let Some((other, place)) = parent.map(|parent| bones[parent]) {
             JointKind::Ball.connect(world, [other, bone], (at + place) * 0.5);
         }
