@@ -16,12 +16,10 @@ mod setup;
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use hecs::World;
-#[cfg(feature = "peers")]
-use tumble::Collider;
 use tumble::{Batch, Joint, Settings, Simulation, Trial};
-#[cfg(feature = "peers")]
-use tumble_benches::{BONE, RapierJoints, RapierWorld};
 use tumble_benches::{JointKind, arm, bridge, chain, label, net, pendulums, pool, pools, ragdolls};
+#[cfg(feature = "peers")]
+use tumble_benches::{RapierJoints, RapierWorld};
 
 /// The same scene in both engines; `with_multibody` where Rapier's take less than a second a step.
 #[cfg_attr(not(feature = "peers"), allow(unused_variables, reason = "there is no other engine"))]
@@ -48,11 +46,7 @@ fn scene(group: &mut BenchmarkGroup<'_, WallTime>, size: usize, with_multibody: 
             if joints == RapierJoints::Multibody && !with_multibody {
                 continue;
             }
-            let start = made();
-            let Some(mut peer) = RapierWorld::new(&start, simulation.settings(), joints) else { return };
-            if start.query::<&Collider>().iter().len() > 0 {
-                peer.add_capsules(BONE, 0.6);
-            }
+            let Some(mut peer) = RapierWorld::new(&made(), simulation.settings(), joints) else { return };
             run(name, &mut || peer.step());
         }
     }

@@ -6,7 +6,7 @@
 //! iterations, and with its multibody joints where it can. An engine that has taken ten seconds for
 //! this is stopped; `simulated` says how far it came.
 //!
-//! Then the engines take blocks of steps in turn, so that what else the machine does hits all, and
+//! Then the engines alternate in blocks of steps, so that what else the machine does hits all, and
 //! medians of three are printed. Both have one thread, and what is measured is its processor time,
 //! which is not that of others; `-- threads` lets both take the threads that they want, and
 //! measures the time that passes.
@@ -31,10 +31,8 @@ use std::time::{Duration, Instant};
 
 use hecs::{Entity, World};
 use tumble::math::{PRECISION, Vec3, dvec3};
-use tumble::{BodyOrder, Collider, Joint, Mass, Pose, Settings, Simulation, Totals, simd_name};
-use tumble_benches::{
-    BONE, JointKind, LINK, RapierJoints, RapierWorld, arm, bridge, chain, net, pendulums, pool, ragdolls,
-};
+use tumble::{BodyOrder, Joint, Mass, Pose, Settings, Simulation, Totals, simd_name};
+use tumble_benches::{JointKind, LINK, RapierJoints, RapierWorld, arm, bridge, chain, net, pendulums, pool, ragdolls};
 
 type RunStatus<T> = Result<T, Box<dyn std::error::Error + Send + Sync>>;
 
@@ -228,10 +226,7 @@ impl Scene {
             if !self.has_multibody && joints == RapierJoints::Multibody {
                 continue;
             }
-            if let Some(mut peer) = RapierWorld::new(&start, &settings, joints) {
-                if start.query::<&Collider>().iter().len() > 0 {
-                    peer.add_capsules(BONE, 0.6);
-                }
+            if let Some(peer) = RapierWorld::new(&start, &settings, joints) {
                 runs.push(Run::new(name, Engine::Rapier(Box::new(peer))));
             }
         }

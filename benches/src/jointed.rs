@@ -144,11 +144,12 @@ pub fn net(side: usize) -> World {
 }
 
 /// Of the capsules that ragdolls consist of, along y: half the height of the cylinder and the
-/// radius \[m\].
-pub const BONE: [Real; 2] = [0.1, 0.06];
+/// radius \[m\]; and their friction.
+pub(crate) const BONE: [Real; 2] = [0.1, 0.06];
+pub(crate) const BONE_FRICTION: Real = 0.6;
 
-/// Ragdolls of 23 capsules of 3 kg on ball joints without limits, which lie in the air in towers of
-/// ten, two abreast, and fall on the ground in a heap.
+/// Ragdolls of 23 capsules of 3 kg on ball joints without limits, which lie in the air in sixteen
+/// towers, four abreast, and fall on the ground in a heap.
 pub fn ragdolls(count: usize) -> World {
     let mut world = World::new();
     touching(&mut world, RigidBody::new(Shape::Point).fixed().id(BodyId(0)), Ok(Collider::half_space()));
@@ -165,10 +166,10 @@ pub fn ragdolls(count: usize) -> World {
 const TOWERS: usize = 16;
 const BONES: usize = 23;
 
-/// Spawns a body with a collider of friction 0.6.
+/// Spawns a body with a collider of the bones' friction.
 #[allow(clippy::expect_used, reason = "the bodies and colliders made here are possible")]
 fn touching(world: &mut World, body: RigidBody, collider: Result<Collider, ColliderError>) -> Entity {
-    let material = Material { static_friction: 0.6, dynamic_friction: 0.6, ..Material::default() };
+    let material = Material::new(BONE_FRICTION, 0.0);
     let collider = collider.and_then(|it| it.with_material(material)).expect("a possible collider");
     body.build().expect("a possible body").spawn_with(world, (collider,))
 }

@@ -20,7 +20,7 @@ mod rays;
 mod scenes;
 mod threads;
 
-pub use jointed::{BONE, JointKind, LINK, arm, bridge, chain, net, pendulums, ragdolls};
+pub use jointed::{JointKind, LINK, arm, bridge, chain, net, pendulums, ragdolls};
 pub use piles::{FRICTION, PileShape, eight_boxes, falling_balls, pyramid};
 pub use pulling::{attracting_points, net_of_springs};
 #[cfg(feature = "peers")]

@@ -11,8 +11,10 @@ use std::f32::consts::TAU;
 
 use hecs::{Entity, World};
 use rapier3d::prelude as rapier;
-use tumble::math::{Quat, Real, Vec3};
-use tumble::{Axes, BodyId, Drives, Gain, Inertia, Joint, Limits, Mass, Pose, Settings};
+use tumble::math::{Quat, Vec3};
+use tumble::{Axes, BodyId, Collider, Drives, Gain, Inertia, Joint, Limits, Mass, Pose, Settings};
+
+use crate::jointed::{BONE, BONE_FRICTION};
 
 /// With which of Rapier's joints a world is rebuilt.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,18 +33,19 @@ pub struct RapierWorld {
 }
 
 impl RapierWorld {
-    /// The bodies, joints, limits and drives of a world, of which the bodies are at rest and have
-    /// no colliders; `None` where these joints cannot be made.
+    /// The bodies, joints, limits and drives of a world, of which the bodies are at rest; `None`
+    /// where these joints cannot be made. What moves and has a collider has that of a bone, what is
+    /// fixed that of the ground.
     pub fn new(ours: &World, settings: &Settings, joints: RapierJoints) -> Option<Self> {
         let mut world = rapier::PhysicsWorld::new();
         world.gravity = vector(settings.gravity);
         world.integration_parameters.dt = settings.dt as f32;
         world.integration_parameters.num_solver_iterations = settings.contact_substeps as usize;
         let mut bodies = HashMap::new();
-        let mut query = ours.query::<(Entity, &BodyId, &Pose, Option<(&Mass, &Inertia)>)>();
+        let mut query = ours.query::<(Entity, &BodyId, &Pose, Option<(&Mass, &Inertia)>, hecs::Satisfies<&Collider>)>();
         let mut of_world: Vec<_> = query.iter().collect();
         of_world.sort_by_key(|(_, id, ..)| **id);
-        for (entity, _, pose, inertia) in of_world {
+        for (entity, _, pose, inertia, touches) in of_world {
             let body = match inertia {
                 Some((mass, inertia)) => {
                     let [kilograms, moments] = [vector(Vec3::X * mass.kilograms()), vector(inertia.moments())];
@@ -51,7 +54,16 @@ impl RapierWorld {
                 }
                 None => rapier::RigidBodyBuilder::fixed(),
             };
-            bodies.insert(entity, world.insert_body(body.pose(frame(pose))));
+            let handle = world.insert_body(body.pose(frame(pose)));
+            if touches {
+                let [half_height, radius] = BONE.map(|length| length as f32);
+                let collider = match inertia {
+                    Some(_) => rapier::ColliderBuilder::capsule_y(half_height, radius).density(0.0),
+                    None => rapier::ColliderBuilder::cuboid(1e3, 1.0, 1e3).translation(vector(-Vec3::Y)),
+                };
+                world.insert_collider(collider.friction(BONE_FRICTION as f32), Some(handle));
+            }
+            bodies.insert(entity, handle);
         }
         for (joint, drives, limits) in ours.query::<(&Joint, Option<&Drives>, Option<&Limits>)>().iter() {
             let [a, b] = joint.bodies.map(|body| bodies.get(&body).copied());
@@ -62,22 +74,6 @@ impl RapierWorld {
             }
         }
         Some(Self { world, bodies })
-    }
-
-    /// Gives all bodies that move a capsule along y of this half height and radius \[m\] that does
-    /// not touch its neighbours on joints, and puts the ground below y = 0.
-    pub fn add_capsules(&mut self, [half_height, radius]: [Real; 2], friction: f32) {
-        let capsule = rapier::ColliderBuilder::capsule_y(half_height as f32, radius as f32).density(0.0);
-        for body in self.bodies.values().copied() {
-            if self.world.bodies[body].is_dynamic() {
-                self.world.insert_collider(capsule.clone().friction(friction), Some(body));
-            }
-        }
-        let ground = rapier::ColliderBuilder::cuboid(1e3, 1.0, 1e3).translation(vector(-Vec3::Y));
-        self.world.insert_collider(ground.friction(friction), None);
-        for (_, joint) in self.world.impulse_joints.iter_mut() {
-            joint.data.set_contacts_enabled(false);
-        }
     }
 
     /// A step, in the pool of the caller.
@@ -112,7 +108,7 @@ const AXES: [(Axes, rapier::JointAxis); 6] = [
 fn generic_joint(joint: &Joint, drives: Option<&Drives>, limits: Option<&Limits>) -> rapier::GenericJoint {
     let [first, second] = joint.frames.each_ref().map(frame);
     let mut theirs = rapier::GenericJoint::default();
-    theirs.set_local_frame1(first).set_local_frame2(second);
+    theirs.set_local_frame1(first).set_local_frame2(second).set_contacts_enabled(false);
     for (number, (axis, their_axis)) in AXES.into_iter().enumerate() {
         if !joint.free.contains(axis) {
             theirs.lock_axes(their_axis.into());

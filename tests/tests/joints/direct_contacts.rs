@@ -36,6 +36,16 @@ fn lowest(rig: &Rig, body: Entity, half: DVec3) -> f64 {
     rig.position(body).y - DVec3::dot(reach, half)
 }
 
+/// Steps on to a time \[s\]; returns how deep a box goes below y = 0 at most \[m\].
+fn deepest_until(rig: &mut Rig, (body, half): (Entity, DVec3), time: f64) -> f64 {
+    let mut deepest = -f64::INFINITY;
+    while rig.simulation.time() < time {
+        rig.step();
+        deepest = deepest.max(-lowest(rig, body, half));
+    }
+    deepest
+}
+
 /// A trunk that stands on a foot: how large, how heavy the foot, and what holds them together.
 struct Robot {
     rig: Rig,
@@ -118,11 +128,7 @@ impl Robot {
     fn stands(&mut self, case: u64) {
         let time = (2.0 * self.size.max(0.1).sqrt()).max(10.0 * f64::from(self.rig.simulation.settings().dt));
         let before = lowest(&self.rig, self.foot, self.half_foot);
-        let mut deepest = 0.0_f64;
-        while self.rig.simulation.time() < time {
-            self.rig.step();
-            deepest = deepest.max(before - lowest(&self.rig, self.foot, self.half_foot));
-        }
+        let deepest = before + deepest_until(&mut self.rig, (self.foot, self.half_foot), time);
         // Each contact that the load goes through gives way by a hundredth of a fall in a substep
         // at most.
         let most = self.layers * 1e-2 * G * self.h * self.h + 30.0 * EPSILON * (self.far + self.size);
@@ -176,12 +182,8 @@ fn it_lands_askew() {
             let mut pose = it.rig.world.get::<&mut Pose>(body).unwrap();
             (pose.position, pose.orientation) = (real(place), real_quat(turn));
         }
-        let mut deepest = 0.0_f64;
         let time = (2.0 * it.size.sqrt()).max(10.0 * it.h);
-        while it.rig.simulation.time() < time {
-            it.rig.step();
-            deepest = deepest.max(-lowest(&it.rig, it.foot, it.half_foot));
-        }
+        let deepest = deepest_until(&mut it.rig, (it.foot, it.half_foot), time);
         let way = (2.0 * G * up.y).sqrt() * it.h;
         let rounding = 30.0 * EPSILON * (it.far + it.size);
         deep += u32::from(deepest > 0.1 * way + rounding);
@@ -205,16 +207,11 @@ fn a_robot_lands_and_stands() {
         let joint = if name == "weld" { Joint::fixed(foot, trunk) } else { Joint::hinge(foot, trunk) };
         let joint = rig.join_at(joint, base + tilt * DVec3::Y * 0.06, DVec3::Z);
         let drive = Drive::position(Axes::ANGULAR_X, 0.0);
-        match name {
-            "weld" => {}
-            "servo" => rig.world.insert_one(joint, Drives::from(drive.with_stiffness(30e3, 300.0))).unwrap(),
-            _ => rig.world.insert_one(joint, Drives::from(drive)).unwrap(),
+        let drive = if name == "servo" { drive.with_stiffness(30e3, 300.0) } else { drive };
+        if name != "weld" {
+            rig.world.insert_one(joint, Drives::from(drive)).unwrap();
         }
-        let mut deepest = 0.0_f64;
-        while rig.simulation.time() < 4.0 {
-            rig.step();
-            deepest = deepest.max(-lowest(&rig, foot, half_foot));
-        }
+        let deepest = deepest_until(&mut rig, (foot, half_foot), 4.0);
         assert!(deepest < 1e-4, "{name}, {substeps} substeps: {deepest:e} m");
         let up = (rig.orientation(trunk) * DVec3::Y).y;
         assert!(up > 0.995, "{name}, {substeps} substeps: {up}");

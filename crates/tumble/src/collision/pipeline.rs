@@ -246,7 +246,7 @@ impl CollisionPipeline {
         let mut woken = Vec::new();
         loop {
             self.list_contacts(columns, (settings, intervals), joints);
-            // What was asleep may touch others in its turn.
+            // What was asleep may touch others that are asleep.
             let more = self.wake_struck();
             if more.is_empty() {
                 break;

@@ -3,10 +3,10 @@
 //! Contacts of its bodies with what is not dynamic come first, then free bodies join it with
 //! theirs: an impulse that a light body of it takes from a heavy free one, or through a light one
 //! to the ground, is answered by all of them. The most loaded come first, as far as a budget goes.
-//! A mechanism that lies with more than that on the ground, or rather on other mechanisms, is in a
-//! heap: all its contacts are in passes. So are those of two of its own bodies: where joints keep
-//! what overlaps from parting, the impulses that would part it have no bound, and in passes they
-//! are those of the two bodies alone.
+//! A mechanism with more rows than that on the ground, or with more on other mechanisms than on the
+//! ground, is in a heap: all its contacts are in passes. So are those of two of its own bodies:
+//! where joints keep what overlaps from parting, the impulses that would part it have no bound, and
+//! in passes they are those of the two bodies alone.
 
 use crate::collision::contact::ContactRecord;
 use crate::math::Real;
@@ -160,7 +160,7 @@ impl DirectChoice {
         self.chosen.sort_unstable();
     }
 
-    /// Whether a mechanism lies with more on the ground than the budget, or rather on others.
+    /// Whether a mechanism has more rows on the ground than the budget, or more on others.
     fn is_in_heap(&mut self, of: Candidates<'_>, mechanism: u32) -> bool {
         self.waiting.sort_unstable();
         self.waiting.dedup();

@@ -89,7 +89,7 @@ impl DirectContacts {
         }
         self.begin(solver, stage);
         solver.solve_half(half);
-        // Passes are to solve the others, and then all is solved again.
+        // Beside passes the positions are solved again anyway.
         let repeats = if self.has_passes { 1 } else { MAX_REPEATS };
         for repeat in 0..repeats {
             self.set_problem(solver, (half, stage), repeat == 0);
