@@ -82,7 +82,7 @@ fn small_worlds_need_no_other_thread() {
     without_a_pool(|| {
         let mut cases = TestRunner::new(ProptestConfig::with_cases(16));
         cases
-            .run(&(any::<u64>(), 1_usize..41, any::<bool>()), |(seed, count, booked)| {
+            .run(&(any::<u64>(), 1_usize..25, any::<bool>()), |(seed, count, booked)| {
                 let mut world = heap(seed, count);
                 let mut simulation = Simulation::new(Settings::default()).unwrap();
                 if booked {
