@@ -156,6 +156,7 @@ pub use joints::joint::Joint;
 pub use joints::joint_error::JointError;
 pub use joints::joint_event::JointEvent;
 pub use joints::joint_load::JointLoad;
+pub use joints::joint_solver::JointSolver;
 pub use joints::limits::{Limit, Limits};
 pub use joints::locked_axes::LockedAxes;
 pub use queries::hits::RayHit;

@@ -1,6 +1,7 @@
 //! Simulation settings and their validation.
 
 use crate::integrator::Integrator;
+use crate::joints::joint_solver::JointSolver;
 use crate::math::{Real, Vec3};
 use crate::range::{MAX_GRAVITY, MAX_SPEED, SECONDS, within};
 
@@ -33,6 +34,8 @@ pub struct Settings {
     pub restitution_threshold: Real,
     /// When bodies at rest are left out of the steps. `None` unless set: none is.
     pub sleep: Option<Sleep>,
+    /// How joints are solved. [`JointSolver::Auto`] unless set.
+    pub joints: JointSolver,
 }
 
 /// When bodies at rest fall asleep: they are left out of the steps until something disturbs them.
@@ -93,6 +96,7 @@ impl Default for Settings {
             contact_substeps: 4,
             restitution_threshold: 1.0,
             sleep: None,
+            joints: JointSolver::Auto,
         }
     }
 }
@@ -147,6 +151,12 @@ impl Settings {
     #[must_use]
     pub fn with_sleep(self, sleep: impl Into<Option<Sleep>>) -> Self {
         Self { sleep: sleep.into(), ..self }
+    }
+
+    /// The same with another way to solve joints.
+    #[must_use]
+    pub fn with_joints(self, joints: JointSolver) -> Self {
+        Self { joints, ..self }
     }
 
     /// Whether a simulation can run with these.

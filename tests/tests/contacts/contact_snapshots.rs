@@ -244,7 +244,7 @@ fn two_boxes() -> (World, Simulation, Vec<u8>) {
 
 const NUMBER: usize = size_of::<Real>();
 /// Where the bodies in contact begin: after two moving bodies.
-const NAMES: usize = 136 + 2 * (8 + 13 * NUMBER);
+const NAMES: usize = 144 + 2 * (8 + 13 * NUMBER);
 const CENTERS: usize = NAMES + 2 * 8 + 4;
 /// Of joints, in double precision.
 const LOADS: usize = CENTERS + 3 * 3 * NUMBER;

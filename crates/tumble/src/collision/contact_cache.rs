@@ -12,6 +12,7 @@ use crate::collision::pipeline::{Colliders, CollisionPipeline};
 use crate::collision::saved_contacts::SavedContacts;
 use crate::joints::joint_marks::JointMarks;
 use crate::math::Real;
+use crate::solver::joint_passes::held_impulses::{HeldImpulse, HeldImpulses};
 use crate::storage::body_index::{BodyIndex, Slot};
 
 /// The contacts of before, and the bodies that their slots stand for.
@@ -149,15 +150,19 @@ impl CollisionPipeline {
         self.colliders.list.clear();
     }
 
-    /// Copies what decides the next step, with the loads of joints by slot.
-    pub(crate) fn save(&self, joint_loads: &[f64], into: &mut SavedContacts) {
+    /// Copies what decides the next step, with the loads of joints by slot and the impulses of those in
+    /// passes.
+    pub(crate) fn save(&self, (joint_loads, of_joints): (&[f64], &HeldImpulses), into: &mut SavedContacts) {
         into.clear();
-        let SavedContacts { body_keys, centers, loads, still, contacts, places } = into;
+        let SavedContacts { body_keys, centers, loads, still, contacts, held, places } = into;
         let Self { cache, contacts: ContactSet { records, .. }, sleepers, .. } = self;
         let records = || records.iter().chain(&sleepers.contacts);
         places.clear();
         places.resize(cache.body_keys.len(), Slot::NONE);
         for slot in records().flat_map(|contact| contact.slots) {
+            places[slot.index()] = Slot(0);
+        }
+        for slot in of_joints.joints.iter().flat_map(|held| held.slots) {
             places[slot.index()] = Slot(0);
         }
         for (place, _) in places.iter_mut().zip(joint_loads).filter(|(_, load)| **load > 0.0) {
@@ -181,6 +186,10 @@ impl CollisionPipeline {
         contacts.extend(records().filter_map(|contact| {
             let slots = contact.slots.map(|slot| places[slot.index()]);
             (!slots.contains(&Slot::NONE)).then(|| ContactRecord { slots, ..contact.clone() })
+        }));
+        held.extend(of_joints.joints.iter().filter_map(|joint| {
+            let slots = joint.slots.map(|slot| places[slot.index()]);
+            (!slots.contains(&Slot::NONE)).then_some(HeldImpulse { slots, ..*joint })
         }));
     }
 

@@ -9,9 +9,10 @@ use crate::collision::contact::{ContactRecord, MAX_HALVINGS};
 use crate::collision::contact_rows::WorldFriction;
 use crate::collision::narrow_phase::LaneKind;
 use crate::math::Real;
+use crate::solver::joint_passes::held_impulses::HeldImpulse;
 use crate::storage::body_index::Slot;
 
-/// Contacts and the loads of joints as the last step left them, between bodies by their keys: what
+/// Contacts, and loads and impulses of joints, as the last step left them, between bodies by their keys: what
 /// a step begins with beside the bodies, and what is reported of contacts.
 ///
 /// Forces, materials and colors are recomputed in every step.
@@ -28,6 +29,8 @@ pub(crate) struct SavedContacts {
     pub(crate) still: Vec<Real>,
     /// Whose slots are places among the keys.
     pub(crate) contacts: Vec<ContactRecord>,
+    /// The same of joints in passes.
+    pub(crate) held: Vec<HeldImpulse>,
     /// By slot, the place among the keys.
     pub(crate) places: Vec<Slot>,
 }
@@ -141,6 +144,7 @@ impl SavedContacts {
         self.loads.clear();
         self.still.clear();
         self.contacts.clear();
+        self.held.clear();
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -170,11 +174,12 @@ impl SavedContacts {
         contacts
     }
 
-    /// From a file: one centre, load and time for each key, and contacts between those.
+    /// From a file: one centre, load and time for each key, and contacts and joints between those.
     pub(crate) fn new(
         body_keys: Vec<BodyKey>,
         (centers, loads, still): (Vec<[Real; 3]>, Vec<f64>, Vec<Real>),
         contacts: &[SavedContact],
+        held: Vec<HeldImpulse>,
     ) -> Self {
         Self {
             body_keys,
@@ -182,6 +187,7 @@ impl SavedContacts {
             loads,
             still,
             contacts: contacts.iter().map(ContactRecord::of_saved).collect(),
+            held,
             places: Vec::new(),
         }
     }
@@ -193,6 +199,7 @@ impl SavedContacts {
             + self.loads.capacity() * size_of::<f64>()
             + self.still.capacity() * size_of::<Real>()
             + self.contacts.capacity() * size_of::<ContactRecord>()
+            + self.held.capacity() * size_of::<HeldImpulse>()
             + self.places.capacity() * size_of::<Slot>()
     }
 }

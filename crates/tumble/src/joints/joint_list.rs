@@ -65,6 +65,9 @@ pub(crate) struct JointList {
     pub(crate) gears: Vec<ListedGear>,
     /// By entity, the numbers of joints; memory.
     numbers: Vec<(Entity, u32)>,
+    /// Memory: joints as they were found, and in which order they were listed last.
+    found: Vec<ListedJoint>,
+    order: Vec<u32>,
     /// Of the joints that have any, in the order in which they were found; more are memory.
     options: Vec<JointOptions>,
     /// Where the [`JointLoad`]s of joints are that are left out.
@@ -105,8 +108,8 @@ impl JointList {
     ///
     /// Returns whether they keep the same pairs apart as before.
     pub(crate) fn find(&mut self, world: &World, body_index: &BodyIndex) -> bool {
-        let Self { joints, options, endless, endless_before, idle_loads, .. } = self;
-        joints.clear();
+        let Self { joints, found, order, options, endless, endless_before, idle_loads, .. } = self;
+        found.clear();
         idle_loads.clear();
         let mut with_options = 0;
         std::mem::swap(endless, endless_before);
@@ -143,15 +146,24 @@ impl JointList {
                         with_options += 1;
                     }
                     let slots = [a, b];
-                    joints.push(ListedJoint { slots, joint, entity, place, has_load, breakable, options: number });
+                    found.push(ListedJoint { slots, joint, entity, place, has_load, breakable, options: number });
                 } else {
                     idle_loads.extend(has_load.then_some(place));
                 }
             }
         }
-        if !joints.is_sorted_by(|a, b| a.cmp(b, options).is_le()) {
-            joints.sort_unstable_by(|a, b| a.cmp(b, options));
+        // It seldom changes.
+        let of_number = |number: &u32| &found[*number as usize];
+        let is_sorted = |order: &[u32]| order.is_sorted_by(|a, b| of_number(a).cmp(of_number(b), options).is_le());
+        if order.len() != found.len() {
+            order.clear();
+            order.extend(0..found.len() as u32);
         }
+        if !is_sorted(order) {
+            order.sort_unstable_by(|a, b| of_number(a).cmp(of_number(b), options).then(a.cmp(b)));
+        }
+        joints.clear();
+        joints.extend(order.iter().map(|number| of_number(number).clone()));
         IgnoreContacts::list(world, &mut self.ignoring);
         let slots = |[a, b]: &[Entity; 2]| Some([body_index.slot(a.id())?, body_index.slot(b.id())?]);
         self.ignored.clear();

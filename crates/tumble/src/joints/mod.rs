@@ -15,6 +15,7 @@ pub(crate) mod joint_list;
 pub(crate) mod joint_load;
 pub(crate) mod joint_marks;
 pub(crate) mod joint_options;
+pub(crate) mod joint_solver;
 pub(crate) mod limits;
 pub(crate) mod locked_axes;
 
@@ -29,6 +30,7 @@ pub use crate::joints::joint::Joint;
 pub use crate::joints::joint_error::JointError;
 pub use crate::joints::joint_event::JointEvent;
 pub use crate::joints::joint_load::JointLoad;
+pub use crate::joints::joint_solver::JointSolver;
 pub use crate::joints::limits::{Cone, Limit, Limits};
 pub use crate::joints::locked_axes::LockedAxes;
 

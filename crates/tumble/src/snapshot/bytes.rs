@@ -7,7 +7,7 @@
 //! | 8, 8, 8 | how many moving, kinematic and fixed bodies |
 //! | 8 | 1 with a clock, 0 without; the clock's five fields are then zero |
 //! | 8, 8, 8, 8, 8 | steps; steps and time when the settings last changed; dt; frame time owed |
-//! | 8, 8, 8, 8 | contacts: bodies that have any, with a `BodyId` and without; contacts; points |
+//! | 8, 8, 8, 8, 8 | contacts: bodies that have any, with a `BodyId` and without; contacts; points; joints in passes |
 //! | 8, 8 | how many breakable joints, with a `BodyId` and without |
 //! | 8 a body | identities: of moving, kinematic and fixed bodies, each in ascending order |
 //! | 7 numbers a body | position, orientation x y z w |
@@ -19,11 +19,12 @@
 //! | 1 number a body in contact | for how long it has been still, or -1 if it sleeps (1) |
 //! | 16 and 15 numbers a contact | see (2) |
 //! | 4 and 5 numbers a point | contact by contact (3) |
+//! | 8 and 6 numbers a joint in passes | its impulses (4) |
 //! | 8 a breakable joint | which it is: identities, then entities as bits, each ascending |
 //! | 1 a breakable joint | 1 if it is broken, 0 if not |
 //! | 8 | 64-bit FNV-1a of all before |
 //!
-//! (1) Bodies with such a load, or that are still, are among those in contact.
+//! (1) Bodies with such a load, with joints in passes, or that are still, are among those in contact.
 //!
 //! (2) Two bodies, as indices of those in contact; which of the contacts of the two; number of
 //! points, and 256 if the two touched before. Normal from the first to the second; impulse and
@@ -34,6 +35,9 @@
 //!
 //! (3) Which features meet; place, from the second body's centre of mass; separation; impulse along
 //! the normal.
+//!
+//! (4) Two bodies, as indices of those in contact; impulse, and angular impulses about the locked axes,
+//! of the last substep on the second. In the order of both bodies.
 
 use crate::clock::Clock;
 use crate::components::BodyKind;
@@ -47,7 +51,7 @@ use crate::snapshot::state_hash::Fnv;
 use crate::snapshot::{Segment, Snapshot, first_duplicate};
 
 const MAGIC: [u8; 8] = *b"TUMBLE-S";
-const HEADER: usize = 136;
+const HEADER: usize = 144;
 /// Bytes of the clock, which is between the counts of bodies and those of contacts.
 const CLOCK: usize = 48;
 const CHECKSUM: usize = 8;
@@ -58,11 +62,11 @@ const UNIT_TOLERANCE: f64 = 1e-3;
 
 impl Snapshot {
     /// The version of the format of [`to_bytes`](Self::to_bytes).
-    pub const VERSION: u32 = 7;
+    pub const VERSION: u32 = 8;
 
-    /// The snapshot as bytes for a file or a peer: 144 bytes and 60 a body in single precision, 112
+    /// The snapshot as bytes for a file or a peer: 152 bytes and 60 a body in single precision, 112
     /// in double, with up to 168 or 304 a contact, 32 or 48 a body that has any, that joints
-    /// load or that is still, and 9 a breakable joint. Bodies are in the order of their
+    /// load or that is still, 32 or 56 a joint in passes, and 9 a breakable joint. Bodies are in the order of their
     /// [`BodyId`]s, so the same state gives the same bytes, whatever the order they were spawned
     /// in.
     ///
@@ -72,7 +76,7 @@ impl Snapshot {
     /// # use tumble::Snapshot;
     /// # let world = hecs::World::new();
     /// let bytes = Snapshot::capture(&world)?.to_bytes();
-    /// assert_eq!(bytes.len(), 144);
+    /// assert_eq!(bytes.len(), 152);
     /// assert!(Snapshot::from_bytes(&bytes)?.is_empty());
     /// # Ok::<(), tumble::SnapshotError>(())
     /// ```

@@ -8,6 +8,9 @@ use crate::math::Real;
 use crate::snapshot::bytes::{NUMBER, Reader};
 use crate::snapshot::error::ContactDefect;
 use crate::snapshot::error::SnapshotError;
+use crate::solver::joint_passes::held_impulses::HeldImpulse;
+use crate::solver::joint_passes::joint_sheet::MAX_ROWS;
+use crate::storage::body_index::Slot;
 
 /// How far from one the length of a normal may be.
 const UNIT_TOLERANCE: Real = 1e-3;
@@ -25,22 +28,25 @@ pub(crate) struct Counts {
     body_keys: [u64; 2],
     contacts: u64,
     points: u64,
+    /// Joints in passes.
+    held: u64,
 }
 
 impl Counts {
-    fn of(body_keys: &[BodyKey], contacts: &[SavedContact]) -> Self {
+    fn of(body_keys: &[BodyKey], contacts: &[SavedContact], held: &[HeldImpulse]) -> Self {
         let ids = body_keys.iter().filter(|key| matches!(key, BodyKey::Id(_))).count();
         let points = contacts.iter().map(|contact| contact.count).sum::<usize>();
         Self {
             body_keys: [ids as u64, (body_keys.len() - ids) as u64],
             contacts: contacts.len() as u64,
             points: points as u64,
+            held: held.len() as u64,
         }
     }
 
     pub(crate) fn read(reader: &mut Reader<'_>) -> Result<Self, SnapshotError> {
         let body_keys = [reader.u64()?, reader.u64()?];
-        Ok(Self { body_keys, contacts: reader.u64()?, points: reader.u64()? })
+        Ok(Self { body_keys, contacts: reader.u64()?, points: reader.u64()?, held: reader.u64()? })
     }
 
     /// How many bytes they take; `u64::MAX` where it is more.
@@ -52,6 +58,7 @@ impl Counts {
             entities.saturating_mul(12 + 4 * number),
             self.contacts.saturating_mul(16 + SavedContact::NUMBERS as u64 * number),
             self.points.saturating_mul(4 + SavedPoint::NUMBERS as u64 * number),
+            self.held.saturating_mul(8 + MAX_ROWS as u64 * number),
         ];
         parts.into_iter().fold(0, u64::saturating_add)
     }
@@ -67,13 +74,13 @@ pub(crate) struct Written<'a> {
 impl<'a> Written<'a> {
     pub(crate) fn new(saved: &'a SavedContacts) -> Self {
         let contacts = saved.contacts();
-        let counts = Counts::of(saved.body_keys(), &contacts);
+        let counts = Counts::of(saved.body_keys(), &contacts, &saved.held);
         Self { saved, contacts, counts }
     }
 
     pub(crate) fn write_counts(&self, bytes: &mut Vec<u8>) {
-        let Counts { body_keys: [ids, entities], contacts, points } = self.counts;
-        bytes.extend([ids, entities, contacts, points].into_iter().flat_map(u64::to_le_bytes));
+        let Counts { body_keys: [ids, entities], contacts, points, held } = self.counts;
+        bytes.extend([ids, entities, contacts, points, held].into_iter().flat_map(u64::to_le_bytes));
     }
 
     pub(crate) fn write(&self, bytes: &mut Vec<u8>) {
@@ -95,6 +102,10 @@ impl<'a> Written<'a> {
         for point in self.contacts.iter().flat_map(|contact| &contact.points[..contact.count]) {
             bytes.extend(point.feature.to_le_bytes());
             bytes.extend(point.numbers().into_iter().flat_map(Real::to_le_bytes));
+        }
+        for held in &self.saved.held {
+            bytes.extend(held.slots.into_iter().flat_map(|slot| slot.0.to_le_bytes()));
+            bytes.extend(held.impulses.into_iter().flat_map(Real::to_le_bytes));
         }
     }
 }
@@ -141,7 +152,28 @@ pub(crate) fn read(reader: &mut Reader<'_>, counts: &Counts) -> Result<SavedCont
         }
         before = Some(contact);
     }
-    Ok(SavedContacts::new(body_keys, (centers, loads, still), &contacts))
+    let held = read_held(reader, counts.held as usize, body_keys.len())?;
+    Ok(SavedContacts::new(body_keys, (centers, loads, still), &contacts, held))
+}
+
+/// Reads the impulses of joints in passes, in the order of their bodies, of this many bodies.
+fn read_held(reader: &mut Reader<'_>, count: usize, bodies: usize) -> Result<Vec<HeldImpulse>, SnapshotError> {
+    let one = |reader: &mut Reader<'_>| {
+        let slots = [Slot(reader.u32()?), Slot(reader.u32()?)];
+        Ok(HeldImpulse { slots, impulses: reader.numbers()? })
+    };
+    let held = reader.many(count, one)?;
+    let is_sound = |held: &HeldImpulse| {
+        let [first, second] = held.slots;
+        first != second && first.max(second).index() < bodies && held.impulses.iter().all(|it| it.is_finite())
+    };
+    match held.iter().position(|held| !is_sound(held)) {
+        Some(joint) => Err(SnapshotError::JointImpulse { joint }),
+        None => match held.windows(2).position(|pair| pair[0].slots > pair[1].slots) {
+            Some(pair) => Err(SnapshotError::JointImpulse { joint: pair + 1 }),
+            None => Ok(held),
+        },
+    }
 }
 
 fn contact(reader: &mut Reader<'_>) -> Result<SavedContact, SnapshotError> {

@@ -111,6 +111,13 @@ pub enum SnapshotError {
         /// Which, counted from zero.
         body: usize,
     },
+    /// The impulses of a joint in passes are not finite, between bodies that are not there, or out of
+    /// order.
+    #[error("joint {joint} of those in passes has impulses that no step leaves, or is out of order")]
+    JointImpulse {
+        /// Which, counted from zero.
+        joint: usize,
+    },
     /// The time for which a body has been still is neither from 0 to 1e9 seconds nor that of one
     /// that sleeps.
     #[error("the time at rest of body {body} of those in contact is neither from 0 to 1e9 s nor -1")]

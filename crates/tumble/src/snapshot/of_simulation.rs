@@ -6,6 +6,7 @@ use crate::collision;
 use crate::snapshot::Snapshot;
 use crate::snapshot::error::SnapshotError;
 use crate::snapshot::row_map::Matching;
+use crate::solver::mechanism::mechanisms::Mechanisms;
 use crate::step::interactions::Interactions;
 use crate::step::simulation::Simulation;
 
@@ -64,7 +65,8 @@ impl Simulation {
         if let Some(interactions) = &self.interactions
             && let Some(collision) = &interactions.collision
         {
-            collision.save(&interactions.mechanisms.loads, &mut snapshot.contacts);
+            let Mechanisms { loads, passed, .. } = &interactions.mechanisms;
+            collision.save((loads, &passed.held), &mut snapshot.contacts);
         }
         Ok(())
     }
@@ -88,9 +90,11 @@ impl Simulation {
             collision.put_back(&snapshot.contacts, world);
             collision.sleepers.settings = collision.sleepers.are_restored.then_some(settings);
             mechanisms.loads.clone_from(&snapshot.contacts.loads);
+            mechanisms.passed.held.joints.clone_from(&snapshot.contacts.held);
         } else if self.interactions.is_some() || collision::are_in(world) {
             let Interactions { collision, mechanisms, .. } = &mut **self.interactions.get_or_insert_default();
             mechanisms.loads.clear();
+            mechanisms.passed.held.clear();
             collision.get_or_insert_default().forget();
         }
         Ok(spawned_since)

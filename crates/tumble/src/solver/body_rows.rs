@@ -19,14 +19,16 @@ octet! {
 }
 
 octet! {
-    /// The impulses with which the last substep ended, summed over the contacts of a body: with
-    /// them the next begins.
+    /// The impulses with which the last substep ended, summed over the contacts of a body, or over
+    /// its joints in passes: with them the next begins.
     pub(crate) struct WarmStartImpulse<T> {
         /// \[N s\].
         pub(crate) linear: Vec3<T>,
         /// [N m s].
         pub(crate) angular: Vec3<T>,
-        pub(crate) _unused: [T; 2],
+        /// Of joints, the sum of impulse times arm [N m s].
+        pub(crate) pull: T,
+        pub(crate) _unused: T,
     }
 }
 

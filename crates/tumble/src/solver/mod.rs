@@ -8,6 +8,7 @@ pub(crate) mod direct;
 pub(crate) mod gather_scatter;
 pub(crate) mod graph_coloring;
 pub(crate) mod halved_substeps;
+pub(crate) mod joint_passes;
 pub(crate) mod locked_bodies;
 pub(crate) mod mechanism;
 pub(crate) mod multi_world;

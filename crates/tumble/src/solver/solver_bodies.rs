@@ -220,8 +220,15 @@ impl SolverBodies {
 
     /// Adds the impulses of the warm start, and clears them.
     pub(crate) fn apply_warm_start(&mut self) {
+        let mut warm_start = std::mem::take(&mut self.warm_start);
+        self.apply(&mut warm_start);
+        self.warm_start = warm_start;
+    }
+
+    /// Adds impulses by row, and clears them.
+    pub(crate) fn apply(&mut self, warm_start: &mut [WarmStartImpulse]) {
         let rows = self.force_impulse.len();
-        let parts = self.motion[..rows].par_chunks_mut(PART).zip(self.warm_start[..rows].par_chunks_mut(PART));
+        let parts = self.motion[..rows].par_chunks_mut(PART).zip(warm_start[..rows].par_chunks_mut(PART));
         parts
             .by_at_least(MIN_PARTS)
             .for_each(|(motion, warm_start)| dispatch_in_blocks(&mut ApplyWarmStart { motion, warm_start }));

@@ -14,6 +14,7 @@ use crate::solver::direct::direct_contacts::ContactStage;
 use crate::solver::direct::direct_group::DirectGroup;
 use crate::solver::gather_scatter::{Constraints, ForceInputs, gather};
 use crate::solver::halved_substeps::HalvedGroup;
+use crate::solver::joint_passes::joint_passes::JointPasses;
 use crate::solver::mechanism::mechanisms::Mechanisms;
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
 use crate::solver::stack_stiffness::Stacks;
@@ -43,6 +44,7 @@ pub(crate) struct SolverGroup {
     pub(crate) contacts: Vec<GroupContact>,
     constraints: ContactConstraints,
     direct: DirectGroup,
+    joints: JointPasses,
 }
 
 /// A contact of a group.
@@ -74,8 +76,10 @@ pub(crate) struct SubstepSettings {
 impl Solver {
     /// Makes room for dynamic bodies, and for others.
     pub(crate) fn reset(&mut self, [dynamic, non_dynamic]: [usize; 2]) {
-        let SolverGroup { bodies, contact_works, rounds, ball_collisions, contacts, direct, .. } = &mut self.group;
+        let SolverGroup { bodies, contact_works, rounds, ball_collisions, contacts, direct, joints, .. } =
+            &mut self.group;
         direct.clear();
+        joints.clear();
         contact_works.clear();
         rounds.clear();
         ball_collisions.clear();
@@ -100,12 +104,13 @@ impl Solver {
         first_rows: [usize; 2],
     ) -> [usize; 2] {
         let Self { group, halvings, stacks, .. } = self;
-        let SolverGroup { bodies, contact_works, rounds, ball_collisions, contacts: all, direct, .. } = group;
+        let SolverGroup { bodies, contact_works, rounds, ball_collisions, contacts: all, direct, joints, .. } = group;
         let results = (&mut *bodies, contact_works);
         let next_rows = gather(constraints, body_index, columns, inputs, results, first_rows);
         let Constraints { bodies: constrained, contacts, mechanisms } = constraints;
         let (constrained, first) = (&**constrained, all.len() as u32);
-        mechanisms.gather((constrained, contacts), body_index, columns, bodies);
+        let passes = (inputs.0.joints, &mut *joints);
+        mechanisms.gather((constrained, contacts), body_index, columns, bodies, passes);
         if constrained.jointed_locks().next().is_some() {
             mechanisms.lock(constrained, bodies);
         }
@@ -122,10 +127,12 @@ impl Solver {
             GroupContact { number, rows }
         }));
         stacks.add_halvings(records, constrained, inputs.0, bodies, halvings);
-        if mechanisms.are_touched() {
+        if mechanisms.are_touched() || !joints.is_empty() {
             mechanisms.keep_whole(records, constrained, bodies, &mut halvings[first as usize..]);
+        }
+        if mechanisms.are_touched() {
             // Worlds with joints are solved by themselves: their contacts are all that there are.
-            mechanisms.take_direct((records, bodies), (all, rounds), direct);
+            mechanisms.take_direct((records, bodies), (all, rounds), direct, joints);
         }
         next_rows
     }
@@ -149,8 +156,9 @@ impl Solver {
         if mechanisms.advanced() < dynamic {
             self.solve_substeps(&mut contacts.records, settings, contacts.extras, mechanisms);
         }
-        let SolverGroup { bodies, contact_works, .. } = &mut self.group;
-        mechanisms.write(bodies, contact_works);
+        let SolverGroup { bodies: solved, contact_works, joints, .. } = &mut self.group;
+        mechanisms.write(solved, contact_works);
+        mechanisms.write_passed(joints, (bodies, solved), body_index, columns);
     }
 
     /// Solves the contacts that were added over one substep of the settings. Bodies are left where
@@ -208,10 +216,11 @@ impl SolverGroup {
     ) {
         let mut mechanisms = mechanisms.filter(|mechanisms| mechanisms.are_touched());
         let solve = SolverStage::solve(h, impact_speed);
-        let Self { bodies, contact_works, rounds, ball_collisions, contacts, constraints, direct } = self;
+        let Self { bodies, contact_works, rounds, ball_collisions, contacts, constraints, direct, joints } = self;
         direct.lay_out(all, bodies, extras);
         constraints.lay_out(all, contacts, bodies, extras);
         constraints.locate(all.len(), rounds);
+        joints.begin(bodies, contact_works);
         bodies.with_poses(|bodies, poses| constraints.run(SolverStage::Prepare(all, poses), bodies));
         if let Some(mechanisms) = &mut mechanisms {
             mechanisms.begin_touched((bodies, contact_works));
@@ -230,9 +239,11 @@ impl SolverGroup {
                 direct.record_approach(bodies, h, moment);
             }
             bodies.apply_warm_start();
+            joints.apply_warm_start(bodies, contact_works);
             if let Some(mechanisms) = &mut mechanisms {
                 mechanisms.solve_stage((bodies, contact_works), direct, (ContactStage::Positions, h));
             }
+            joints.solve(h, bodies, contact_works);
             constraints.run(solve, bodies);
             if let Some(mechanisms) = &mut mechanisms {
                 mechanisms.solve_stage((bodies, contact_works), direct, (ContactStage::PositionsAgain, h));
@@ -250,6 +261,7 @@ impl SolverGroup {
             if let Some(mechanisms) = &mut mechanisms {
                 mechanisms.solve_stage((bodies, contact_works), direct, (ContactStage::Velocities, h));
             }
+            joints.relax(h, bodies, contact_works);
             constraints.run(SolverStage::Relax { h, impact_speed, stores_warm_start: substep + 1 < substeps }, bodies);
             contact_works.after_substep(bodies);
             ball_collisions.iter_mut().for_each(|it| it.after_impulses(bodies, end));
@@ -261,6 +273,7 @@ impl SolverGroup {
                 mechanisms.solve_stage((bodies, contact_works), direct, (stage, h));
             }
         }
+        joints.finish(bodies, contact_works);
         bodies.settle_locked();
         let end = f64::from(substeps) * f64::from(h);
         ball_collisions.iter_mut().for_each(|it| it.finish(bodies, end));

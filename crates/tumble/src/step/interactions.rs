@@ -69,6 +69,9 @@ impl Interactions {
                 mechanisms.renumber(collision.cache.body_keys.renumbered(), collision.body_index.len());
             }
             let same_pairs = mechanisms.list.find(world, &collision.body_index);
+            if mechanisms.list.is_empty() {
+                mechanisms.passed.held.clear();
+            }
             find_locked(world, &collision.body_index, &mechanisms.list, &mut constrained.locked);
             collision.notice_locks(&constrained.locked);
             if !same_pairs {

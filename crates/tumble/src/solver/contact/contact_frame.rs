@@ -142,7 +142,7 @@ impl<'a, T: Tile> Momenta<'a, T> {
         let has_non_dynamic = rows.has_non_dynamic();
         let zero = Vec3::zero();
         let first = if has_non_dynamic {
-            WarmStartImpulse { linear: zero, angular: zero, _unused: [T::splat(0.0); 2] }
+            WarmStartImpulse { linear: zero, angular: zero, pull: T::splat(0.0), _unused: T::splat(0.0) }
         } else {
             rows.gather::<T>(block, 0, lane)
         };
@@ -180,7 +180,12 @@ impl<'a, T: Tile> Momenta<'a, T> {
     /// Of the first or the second bodies.
     #[inline(always)]
     fn warm_start(&self, which: usize) -> WarmStartImpulse<T> {
-        WarmStartImpulse { linear: self.linear[which], angular: self.angular[which], _unused: [T::splat(0.0); 2] }
+        WarmStartImpulse {
+            linear: self.linear[which],
+            angular: self.angular[which],
+            pull: T::splat(0.0),
+            _unused: T::splat(0.0),
+        }
     }
 }
 

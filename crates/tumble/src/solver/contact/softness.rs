@@ -26,6 +26,8 @@ pub(crate) struct Softness {
 const PERIODS: f64 = 1.0 / 8.0;
 /// Overdamped, so that bodies part without bouncing.
 const DAMPING_RATIO: f64 = 10.0;
+/// Of joints in passes: with more, or with stiffer ones, one pass makes energy in loops on long arms.
+const DAMPING_RATIO_OF_JOINTS: f64 = 1.0;
 
 impl Softness {
     /// Between two moving bodies, for a substep of `h` \[s\].
@@ -36,6 +38,12 @@ impl Softness {
     /// On a non-dynamic body. Stiffer, so that what is below in a stack gives way least.
     pub(crate) fn on_ground(h: f64) -> Self {
         Self::new(2.0 * PERIODS / h, 0.5 * DAMPING_RATIO, h)
+    }
+
+    /// Of joints in passes, between two moving bodies and on a non-dynamic one, for a substep of
+    /// `h` \[s\].
+    pub(crate) fn of_joints(h: f64) -> [Self; 2] {
+        [1.0, 2.0].map(|times| Self::new(times * PERIODS / h, DAMPING_RATIO_OF_JOINTS, h))
     }
 
     /// Stiffness for each kilogram of effective mass [N/m/kg] in substeps of `h` \[s\], between

@@ -26,6 +26,11 @@ pub(crate) struct Owner {
     pub(crate) body: Option<u32>,
 }
 
+impl Owner {
+    /// In the place of a mechanism: of bodies whose joints are in passes.
+    const IN_PASSES: u32 = u32::MAX;
+}
+
 /// Which contacts of a group have been chosen; its memory is kept from step to step.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct DirectChoice {
@@ -105,6 +110,12 @@ impl DirectChoice {
                 contacts_of[*begin as usize] = place;
             }
         }
+    }
+
+    /// Notes the rows of bodies whose joints are in passes: their contacts are as well.
+    pub(crate) fn own_passed(&mut self, rows: impl Iterator<Item = SolverRow>) {
+        let owner = Owner { mechanism: Owner::IN_PASSES, body: None };
+        rows.for_each(|row| self.owners[row.index()] = Some(owner));
     }
 
     /// Notes the bodies of a mechanism that impulses move.

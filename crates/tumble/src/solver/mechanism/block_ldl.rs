@@ -407,7 +407,7 @@ mod tests {
         for case in 0..24 {
             let mut groups: Vec<_> = (0..7).map(|node| vec![node, (node + 1) % 7]).collect();
             groups.extend([vec![3, 7, 8], vec![8, 9]]);
-            let elimination = Elimination::by_minimum_degree(10, &groups);
+            let elimination = Elimination::by_minimum_degree(10, &groups, |_, _| true).unwrap();
             // Of a third of them all nodes have one size.
             let size = |_| if case % 3 == 0 { 1 + case % 9 } else { 1 + ((number() + 1.0) * 4.49) as usize };
             let sizes: Vec<_> = (0..10).map(size).collect();

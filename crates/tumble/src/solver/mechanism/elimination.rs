@@ -15,8 +15,13 @@ pub(crate) struct Elimination {
 
 impl Elimination {
     /// By minimum degree, ties by the lower number. Nodes are neighbours where they have one of
-    /// these groups in common; a node may be in several groups.
-    pub(crate) fn by_minimum_degree(nodes: usize, groups: &[Vec<u32>]) -> Self {
+    /// these groups in common; a node may be in several groups. `None` where it does not go on after
+    /// a node and those of its neighbours that are left.
+    pub(crate) fn by_minimum_degree(
+        nodes: usize,
+        groups: &[Vec<u32>],
+        mut goes_on: impl FnMut(u32, &[u32]) -> bool,
+    ) -> Option<Self> {
         let mut neighbors = vec![BTreeSet::new(); nodes];
         for group in groups {
             for &node in group {
@@ -30,6 +35,9 @@ impl Elimination {
             places[node as usize] = order.len() as u32;
             order.push(node);
             let of_it: Vec<u32> = std::mem::take(&mut neighbors[node as usize]).into_iter().collect();
+            if !goes_on(node, &of_it) {
+                return None;
+            }
             for &other in &of_it {
                 let of_other = &mut neighbors[other as usize];
                 queue.remove(&(of_other.len(), other));
@@ -46,7 +54,7 @@ impl Elimination {
             columns[begin..].sort_unstable();
             begins.push(columns.len() as u32);
         }
-        Self { order, begins, columns }
+        Some(Self { order, begins, columns })
     }
 
     /// The blocks of a row.
@@ -68,11 +76,11 @@ mod tests {
     #[test]
     fn a_chain_fills_in_nothing_and_a_star_one_block_a_leaf() {
         let chain: Vec<_> = (0..9).map(|node| vec![node, node + 1]).collect();
-        let elimination = Elimination::by_minimum_degree(10, &chain);
+        let elimination = Elimination::by_minimum_degree(10, &chain, |_, _| true).unwrap();
         assert_eq!(elimination.columns.len(), 9);
         // Leaves that share one body with a hub, and nothing with each other.
         let star: Vec<_> = (1..8).map(|leaf| vec![0, leaf]).collect();
-        let elimination = Elimination::by_minimum_degree(8, &star);
+        let elimination = Elimination::by_minimum_degree(8, &star, |_, _| true).unwrap();
         assert_eq!(elimination.columns.len(), 7);
         assert_eq!(elimination.order[..6], [1, 2, 3, 4, 5, 6]);
     }
@@ -80,7 +88,7 @@ mod tests {
     #[test]
     fn a_ring_fills_in_less_than_a_row_each() {
         let ring: Vec<_> = (0..12).map(|node| vec![node, (node + 1) % 12]).collect();
-        let elimination = Elimination::by_minimum_degree(12, &ring);
+        let elimination = Elimination::by_minimum_degree(12, &ring, |_, _| true).unwrap();
         assert_eq!(elimination.columns.len(), 12 + 9);
         for row in 0..12 {
             let columns = &elimination.columns[elimination.blocks_of(row)];

@@ -55,7 +55,7 @@ pub(super) fn row_of(v: Vec3<f64>, beside: f64) -> Four {
 
 /// A quaternion.
 #[inline(always)]
-pub(super) fn row(q: Quat<f64>) -> Four {
+pub(crate) fn row(q: Quat<f64>) -> Four {
     [q.x, q.y, q.z, q.w]
 }
 

@@ -23,6 +23,10 @@ pub(crate) struct Anchor {
 }
 
 impl Anchor {
+    pub(crate) fn orientation(&self) -> Quat<f64> {
+        quaternion(&self.orientation)
+    }
+
     /// Whether it is at the centre of mass.
     pub(super) fn is_center(&self) -> bool {
         let position = vector(&self.position);
@@ -65,7 +69,7 @@ pub(crate) struct JointRows {
     /// How many are of locked axes, and how many of these of translations.
     pub(crate) locked: usize,
     linear_count: usize,
-    pub(super) rotations: Rotations,
+    pub(crate) rotations: Rotations,
     /// Those of free axes.
     pub(crate) free_rows: Vec<FreeRow>,
     /// The rotation that values of three free rotations are taken against.
@@ -154,7 +158,7 @@ impl JointRows {
     }
 
     /// Whether it locks all translations, and nothing acts along its free axes.
-    pub(super) fn is_rigid_pin(&self) -> bool {
+    pub(crate) fn is_rigid_pin(&self) -> bool {
         self.is_pinned && self.free_rows.is_empty()
     }
 
@@ -447,7 +451,7 @@ impl JointRows {
 /// From each centre of mass to its anchor, and from the first anchor to the second: with what was
 /// between the centres when the step began, and how far they have gone since.
 #[inline(always)]
-pub(super) fn arms_and_gap<L: Lane>(
+pub(crate) fn arms_and_gap<L: Lane>(
     orientations: [Quat<L>; 2],
     anchors: [Vec3<L>; 2],
     (between, translations): (Vec3<L>, [Vec3<L>; 2]),
@@ -472,7 +476,7 @@ pub(super) fn left_of_error<L: Lane>(error: L, most: L) -> L {
 /// From the centres of mass, and from the second anchor, to the point where both bodies are pushed,
 /// half the locked gap before the second anchor.
 #[inline(always)]
-pub(super) fn pushed_at<L: Lane>([first, second]: [Vec3<L>; 2], gap: Vec3<L>, half: Vec3<L>) -> [Vec3<L>; 3] {
+pub(crate) fn pushed_at<L: Lane>([first, second]: [Vec3<L>; 2], gap: Vec3<L>, half: Vec3<L>) -> [Vec3<L>; 3] {
     [first + gap - half, second - half, half * L::splat(-1.0)]
 }
 

@@ -73,9 +73,14 @@ impl RowColumns {
     }
 }
 
+/// Operations of a factorisation for each joint beyond which it costs more than passes, and for all
+/// joints of a mechanism that cost next to nothing.
+const MAX_OPERATIONS: usize = 4_000;
+const MIN_OPERATIONS: usize = 1_000_000;
+
 /// The matrix of joints between bodies of which some are moved by impulses, and the order in which
-/// it has the joints.
-pub(crate) fn arranged(joints: &[JointRows], moves: &[bool]) -> (BlockLdl, Vec<u32>) {
+/// it has the joints; `None` where it `may_give_up` and the matrix would fill up.
+pub(crate) fn arranged(joints: &[JointRows], moves: &[bool], may_give_up: bool) -> Option<(BlockLdl, Vec<u32>)> {
     let mut groups: Vec<Vec<u32>> = vec![Vec::new(); moves.len()];
     for (number, joint) in (0..).zip(joints) {
         for body in joint.ends().filter(|body| moves[*body]) {
@@ -84,10 +89,16 @@ pub(crate) fn arranged(joints: &[JointRows], moves: &[bool]) -> (BlockLdl, Vec<u
             }
         }
     }
-    let elimination = Elimination::by_minimum_degree(joints.len(), &groups);
+    let mut left = if may_give_up { MIN_OPERATIONS.max(MAX_OPERATIONS * joints.len()) } else { usize::MAX };
+    let elimination = Elimination::by_minimum_degree(joints.len(), &groups, |node, neighbors| {
+        let rows = joints[node as usize].count;
+        let of_others: usize = neighbors.iter().map(|other| joints[*other as usize].count).sum();
+        left = left.saturating_sub(rows * of_others * (of_others + 2 * rows));
+        left > 0
+    })?;
     let order = elimination.order.clone();
     let sizes = order.iter().map(|joint| joints[*joint as usize].count).collect();
-    (BlockLdl::new(elimination, sizes, may_depend(joints, moves)), order)
+    Some((BlockLdl::new(elimination, sizes, may_depend(joints, moves)), order))
 }
 
 /// Whether rows of a mechanism may depend on others: there are loops, or more rows act at a joint

@@ -165,14 +165,19 @@ impl Rigid {
     }
 }
 
+/// Gives bodies that fly free angular momentum, as a rotation of the whole about axes that are free.
+pub(crate) fn return_momentum(bodies: &mut [MechanismBody], momentum: Vec3<f64>, lock: AxisLock) {
+    let mass: f64 = bodies.iter().map(MechanismBody::mass).sum();
+    let moment = bodies.iter().fold(Vec3::zero(), |sum, body| sum + body.position() * body.mass());
+    let center = moment * (1.0 / mass);
+    if let Some(turn) = turned_by(bodies, center, momentum, lock) {
+        bodies.iter_mut().for_each(|body| body.turn_along(turn, body.position() - center));
+    }
+}
+
 /// The angular velocity that angular momentum about a point gives bodies that are one, about axes
 /// that are free.
-pub(super) fn turned_by(
-    bodies: &[MechanismBody],
-    center: Vec3<f64>,
-    momentum: Vec3<f64>,
-    lock: AxisLock,
-) -> Option<Vec3<f64>> {
+fn turned_by(bodies: &[MechanismBody], center: Vec3<f64>, momentum: Vec3<f64>, lock: AxisLock) -> Option<Vec3<f64>> {
     let mut inertia = glam::DMat3::ZERO;
     for body in bodies {
         let arm = glam::DVec3::from(body.position() - center);

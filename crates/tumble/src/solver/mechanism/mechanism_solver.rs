@@ -111,9 +111,10 @@ pub(crate) const SIGNS: [f64; 2] = [-1.0, 1.0];
 
 impl MechanismSolver {
     /// Of joints between bodies that are numbered from 0; `moves` says which of these impulses
-    /// move. Returns the order in which it has the joints.
-    pub(crate) fn new(joints: &[JointRows], moves: &[bool]) -> (Self, Vec<u32>) {
-        let (matrix, order) = arranged(joints, moves);
+    /// move. Returns the order in which it has the joints; `None` where it `may_give_up` and their
+    /// matrix would fill up.
+    pub(crate) fn new(joints: &[JointRows], moves: &[bool], may_give_up: bool) -> Option<(Self, Vec<u32>)> {
+        let (matrix, order) = arranged(joints, moves, may_give_up)?;
         let ordered: Vec<_> = order.iter().map(|joint| joints[*joint as usize].clone()).collect();
         let columns = RowColumns::new(&ordered);
         let (couplings, filled) = couplings(&ordered, moves, &matrix, &columns);
@@ -151,7 +152,7 @@ impl MechanismSolver {
             couplings,
             filled,
         };
-        (it, order)
+        Some((it, order))
     }
 
     /// Has the last of the bodies be the ground of these locks.

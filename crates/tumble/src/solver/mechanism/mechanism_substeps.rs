@@ -5,7 +5,7 @@ use tumble_math::lane::Vec3;
 use crate::solver::mechanism::body_passes::{kick, save};
 use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::mechanism_body::{MechanismBody, SavedBody};
-use crate::solver::mechanism::mechanism_misfit::{MIN_MISFIT, turned_by};
+use crate::solver::mechanism::mechanism_misfit::{MIN_MISFIT, return_momentum};
 use crate::solver::mechanism::mechanism_solver::{Half, MechanismSolver};
 
 /// The error beyond which a substep is solved again in two halves, of the size of the arms or
@@ -82,11 +82,6 @@ impl MechanismSolver {
         }
         let lock = self.lock_of_free();
         let Some(bodies) = self.free_bodies() else { return };
-        let mass: f64 = bodies.iter().map(MechanismBody::mass).sum();
-        let moment = bodies.iter().fold(Vec3::zero(), |sum, body| sum + body.position() * body.mass());
-        let center = moment * (1.0 / mass);
-        if let Some(turn) = turned_by(bodies, center, dropped, lock) {
-            bodies.iter_mut().for_each(|body| body.turn_along(turn, body.position() - center));
-        }
+        return_momentum(bodies, dropped, lock);
     }
 }

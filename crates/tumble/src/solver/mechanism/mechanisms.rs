@@ -11,12 +11,14 @@ use crate::joints::axes::Axes;
 use crate::joints::axis_lock::AxisLock;
 use crate::joints::joint_list::{JointList, ListedGear, ListedJoint};
 use crate::joints::joint_load::JointLoad;
+use crate::joints::joint_solver::JointSolver;
 use crate::math::{Real, real, vec3};
 use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, is_rotation, within};
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact_work::ContactWorks;
 use crate::solver::direct::direct_choice::DirectChoice;
 use crate::solver::direct::direct_contacts::DirectContacts;
+use crate::solver::joint_passes::joint_passes::JointPasses;
 use crate::solver::mechanism::fours::{row, vector};
 use crate::solver::mechanism::free_axis::free_axis_bits;
 use crate::solver::mechanism::gear_rows::GearRows;
@@ -24,6 +26,7 @@ use crate::solver::mechanism::joint_anchor::anchor;
 use crate::solver::mechanism::joint_rows::{Anchor, JointRows, length};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_solver::MechanismSolver;
+use crate::solver::mechanism::passed_joints::PassedJoints;
 use crate::solver::solver_bodies::SolverBodies;
 use crate::storage::body_index::{BodyIndex, Slot, by_new_slot};
 use crate::storage::world_columns::{ArchetypeBodies, WorldColumns};
@@ -36,7 +39,7 @@ pub(crate) struct Mechanisms {
     /// By slot: inertia that the load of the last substep asks for [kg m^2]. It is state.
     pub(crate) loads: Vec<f64>,
     /// The joints that act in this substep, as numbers in the list.
-    active: Vec<u32>,
+    pub(super) active: Vec<u32>,
     pub(super) mechanisms: Vec<Mechanism>,
     /// What the mechanisms were made for.
     structure: Vec<Link>,
@@ -45,14 +48,16 @@ pub(crate) struct Mechanisms {
     /// The gears that act, with numbers of active joints.
     gears: Vec<ListedGear>,
     /// By number in the list: impulse and angular impulse in this step [N s] [N m s].
-    done: Vec<[Vec3<f64>; 2]>,
+    pub(super) done: Vec<[Vec3<f64>; 2]>,
     /// By number in the list.
-    values_and_speeds: Vec<[[f64; 6]; 2]>,
+    pub(super) values_and_speeds: Vec<[[f64; 6]; 2]>,
     islands: Islands,
     /// Which contacts are solved with joints.
     pub(super) choice: DirectChoice,
     /// By slot, whether a contact acts on the body.
-    is_touched: Vec<bool>,
+    pub(super) is_touched: Vec<bool>,
+    /// The joints that are solved in passes.
+    pub(crate) passed: PassedJoints,
 }
 
 /// Bodies that hang together.
@@ -97,6 +102,7 @@ impl Mechanisms {
     pub(crate) fn forget(&mut self) {
         self.list.clear();
         self.loads.clear();
+        self.passed.held.clear();
     }
 
     /// The bodies of the joints that can act, by slot.
@@ -114,6 +120,7 @@ impl Mechanisms {
     /// Gives the loads the slots that their bodies have now; `slots` are these by slot before.
     pub(crate) fn renumber(&mut self, slots: &[Slot], count: usize) {
         self.loads = by_new_slot(std::mem::take(&mut self.loads), slots, count, 0.0);
+        self.passed.held.renumber(slots);
     }
 
     /// To be called before the first substep of every step.
@@ -126,17 +133,20 @@ impl Mechanisms {
     }
 
     /// Finds the mechanisms of the joints whose bodies are in range: gathered into rows, of which
-    /// they read the state. Which of them are touched follows from the contacts.
+    /// they read the state. Which of them are touched follows from the contacts. Joints in passes
+    /// are added to these.
     pub(crate) fn gather(
         &mut self,
         (constrained, contacts): (&ConstrainedBodies, &ContactSet),
         body_index: &BodyIndex,
         columns: &WorldColumns<'_>,
         bodies: &SolverBodies,
+        (solver, passes): (JointSolver, &mut JointPasses),
     ) {
         if self.list.is_empty() {
             self.loads.clear();
             self.mechanisms.clear();
+            self.passed.clear();
             self.structure.clear();
             self.gear_structure.clear();
             self.lock_structure.clear();
@@ -170,13 +180,26 @@ impl Mechanisms {
         let lock_links = locked.map(|(slot, _, lock)| (slot, lock.0));
         let is_same = gear_links.clone().eq(self.gear_structure.iter().copied())
             && lock_links.clone().eq(self.lock_structure.iter().copied());
-        if !(is_same && links.clone().eq(self.structure.iter().copied())) {
+        if !(is_same && self.passed.solver == solver && links.clone().eq(self.structure.iter().copied())) {
+            self.passed.solver = solver;
             self.structure = links.collect();
             self.gear_structure = gear_links.collect();
             self.lock_structure = lock_links.collect();
             self.arrange(body_index.len());
         }
-        self.read((constrained, contacts), body_index, columns, bodies);
+        self.note_touched((constrained, contacts), bodies);
+        self.add_passed(constrained, body_index, columns, bodies, passes);
+        self.read(constrained, body_index, columns, bodies);
+    }
+
+    /// Notes on which bodies contacts act.
+    fn note_touched(&mut self, (constrained, contacts): (&ConstrainedBodies, &ContactSet), bodies: &SolverBodies) {
+        let moves = |slot: &Slot| constrained.row(*slot).is_some_and(|row| bodies.is_dynamic(row));
+        self.is_touched.clear();
+        self.is_touched.resize(self.loads.len(), false);
+        for slot in contacts.records.iter().flat_map(|contact| contact.slots).filter(moves) {
+            self.is_touched[slot.index()] = true;
+        }
     }
 
     /// Locks axes of bodies that have joints: by rows of their mechanisms, which are gathered, or
@@ -197,18 +220,11 @@ impl Mechanisms {
     /// Reads the bodies of mechanisms, where their joints act, and which are touched.
     fn read(
         &mut self,
-        (constrained, contacts): (&ConstrainedBodies, &ContactSet),
+        constrained: &ConstrainedBodies,
         body_index: &BodyIndex,
         columns: &WorldColumns<'_>,
         bodies: &SolverBodies,
     ) {
-        let moves = |slot: &Slot| constrained.row(*slot).is_some_and(|row| bodies.is_dynamic(row));
-        let is_touched = &mut self.is_touched;
-        is_touched.clear();
-        is_touched.resize(body_index.len(), false);
-        for slot in contacts.records.iter().flat_map(|contact| contact.slots).filter(moves) {
-            is_touched[slot.index()] = true;
-        }
         let Self { list, loads, mechanisms, active, is_touched, gears, .. } = self;
         for mechanism in mechanisms {
             mechanism.is_touched = mechanism.slots.iter().any(|slot| is_touched[slot.index()]);
@@ -241,7 +257,7 @@ impl Mechanisms {
 
     /// Makes mechanisms of the structure.
     fn arrange(&mut self, slots: usize) {
-        let Self { structure, lock_structure, mechanisms, islands, list, active, gears, .. } = self;
+        let Self { structure, lock_structure, mechanisms, islands, list, active, gears, passed, .. } = self;
         let mut dynamic = vec![false; slots];
         for (of_link, moves, ..) in &*structure {
             (0..2).for_each(|end| dynamic[of_link[end].index()] = moves[end]);
@@ -260,6 +276,8 @@ impl Mechanisms {
         }
         by_root.sort_unstable();
         mechanisms.clear();
+        passed.numbers.clear();
+        passed.mechanisms.clear();
         for links in by_root.chunk_by(|a, b| a.0 == b.0) {
             let of_links = links.iter().filter_map(|(_, number)| structure.get(*number as usize));
             let mut of_it: Vec<Slot> = of_links.flat_map(|link| link.0).collect();
@@ -295,11 +313,16 @@ impl Mechanisms {
                 moves.push(false);
                 locked.push(LockedEnd { body, lock: AxisLock(*axes) });
             }
-            let (mut solver, order) = MechanismSolver::new(&joints, &moves);
+            let Some((mut solver, order)) = passed.direct(&joints, &moves, locked.is_empty()) else {
+                passed.numbers.extend(&numbers);
+                passed.mechanisms.push(of_it);
+                continue;
+            };
             solver.ground(locked.iter().map(|it| it.lock));
             let joints = order.iter().map(|place| numbers[*place as usize]).collect();
             mechanisms.push(Mechanism::new(solver, of_it, joints, locked));
         }
+        passed.numbers.sort_unstable();
     }
 
     /// Advances the mechanisms that nothing touches by substeps of `h` \[s\].
@@ -327,8 +350,8 @@ impl Mechanisms {
         self.mechanisms.iter().any(|mechanism| mechanism.is_touched)
     }
 
-    /// Takes back the halvings of contacts in islands with touched mechanisms: these have the
-    /// substeps of the settings.
+    /// Takes back the halvings of contacts in islands with mechanisms, which have the substeps of
+    /// the settings.
     pub(crate) fn keep_whole(
         &mut self,
         contacts: &[ContactRecord],
@@ -339,13 +362,15 @@ impl Mechanisms {
         if halvings.iter().all(|times| *times == 0) {
             return;
         }
-        let Self { list, mechanisms, islands, loads, .. } = self;
+        let Self { list, mechanisms, islands, loads, passed, active, .. } = self;
         let moves = |slot: Slot| constrained.row(slot).is_some_and(|row| bodies.is_dynamic(row));
         let pairs = contacts.iter().map(|contact| contact.slots).chain(list.pairs());
         islands.join(loads.len(), pairs, moves);
         let mut has_joints = vec![false; loads.len()];
-        for slot in mechanisms.iter().flat_map(|mechanism| &mechanism.slots).filter(|slot| moves(**slot)) {
-            has_joints[islands.root(*slot).index()] = true;
+        let in_passes = passed.numbers.iter().flat_map(|number| list.joints[active[*number as usize] as usize].slots);
+        let direct = mechanisms.iter().flat_map(|mechanism| mechanism.slots.iter().copied());
+        for slot in direct.chain(in_passes).filter(|slot| moves(*slot)) {
+            has_joints[islands.root(slot).index()] = true;
         }
         for (contact, times) in contacts.iter().zip(halvings) {
             let [a, b] = contact.slots;

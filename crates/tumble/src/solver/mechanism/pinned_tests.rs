@@ -60,7 +60,7 @@ fn joint(rng: &mut Rng, ends: [usize; 2], bodies: &[MechanismBody], free: Axes) 
 /// What a mechanism is after a few substeps: bodies, and what joints have done.
 fn advanced(joints: &[JointRows], bodies: &[MechanismBody], by_four: bool) -> Vec<f64> {
     let moves: Vec<_> = bodies.iter().map(MechanismBody::is_moved).collect();
-    let (mut solver, _) = MechanismSolver::new(joints, &moves);
+    let (mut solver, _) = MechanismSolver::new(joints, &moves, false).unwrap();
     solver.bodies = bodies.to_vec();
     if !by_four {
         solver.alike = None;

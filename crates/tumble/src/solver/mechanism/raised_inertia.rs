@@ -8,11 +8,11 @@ const MAX_SQUARED_ANGLE: f64 = 0.5;
 /// What is this many times the inertia is a sudden load.
 pub(super) const SUDDEN: f64 = 2.0;
 /// What is left of the raised inertia in the next substep, where the load is gone.
-pub(super) const KEPT_LOAD: f64 = 0.9;
+pub(crate) const KEPT_LOAD: f64 = 0.9;
 
 /// The angular momentum with other moments at the angular velocity that it is with those before.
 #[inline(always)]
-pub(super) fn momentum_with<L: Lane>(
+pub(crate) fn momentum_with<L: Lane>(
     moments: Vec3<L>,
     before: Vec3<L>,
     orientation: Quat<L>,
@@ -24,6 +24,6 @@ pub(super) fn momentum_with<L: Lane>(
 
 /// What moments are raised to by impulses times arms [kg m^2/s] in a substep of `h` \[s\].
 #[inline(always)]
-pub(super) fn load_of<L: Lane>(impulse_times_arm: L, h: f64) -> L {
+pub(crate) fn load_of<L: Lane>(impulse_times_arm: L, h: f64) -> L {
     L::splat(h) * impulse_times_arm / L::splat(MAX_SQUARED_ANGLE)
 }

@@ -42,7 +42,7 @@ impl Rotations {
     /// Out of the axes of the first frame, those about which rotations are locked come first; not
     /// for two free rotations, of which the third has no fixed axis.
     #[inline(always)]
-    pub(super) fn locked_axes<L: Lane>(self, axes: [Vec3<L>; 3]) -> [Vec3<L>; 3] {
+    pub(crate) fn locked_axes<L: Lane>(self, axes: [Vec3<L>; 3]) -> [Vec3<L>; 3] {
         match self {
             Self::About(k) => [axes[(k + 1) % 3], axes[(k + 2) % 3], axes[k]],
             _ => axes,
@@ -51,7 +51,7 @@ impl Rotations {
 
     /// Errors of the locked rotations where the second frame is turned like this against the first.
     #[inline(always)]
-    pub(super) fn errors<L: Lane>(self, turned: Quat<L>) -> [L; 3] {
+    pub(crate) fn errors<L: Lane>(self, turned: Quat<L>) -> [L; 3] {
         let (v, w, zero, two) = ([turned.x, turned.y, turned.z], turned.w, L::splat(0.0), L::splat(2.0));
         // Axes of the second frame along those of the first, but for cosines of the whole.
         let rises = |i: usize, k: usize, j: usize| two * (v[i] * v[k] + w * v[j]);

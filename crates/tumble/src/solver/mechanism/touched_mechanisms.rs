@@ -11,6 +11,7 @@ use crate::solver::direct::direct_choice::{Candidates, Owner};
 use crate::solver::direct::direct_contact::DirectContact;
 use crate::solver::direct::direct_contacts::ContactStage;
 use crate::solver::direct::direct_group::DirectGroup;
+use crate::solver::joint_passes::joint_passes::JointPasses;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanisms::{Mechanism, Mechanisms};
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
@@ -28,10 +29,12 @@ impl Mechanisms {
         (records, bodies): (&[ContactRecord], &SolverBodies),
         (contacts, rounds): (&mut Vec<GroupContact>, &mut Vec<RoundConstraint>),
         direct: &mut DirectGroup,
+        passes: &JointPasses,
     ) {
         let Self { mechanisms, choice, .. } = self;
         let of = Candidates { records, contacts, bodies };
         choice.begin(of);
+        choice.own_passed(passes.rows().filter(|row| bodies.is_dynamic(*row)));
         for (number, it) in (0..).zip(&*mechanisms).filter(|(_, it)| it.is_touched) {
             choice.own(number, it.jointed_bodies());
         }
@@ -52,7 +55,9 @@ impl Mechanisms {
         contacts.retain(|_| places.next().is_none_or(|place| !choice.is_direct(place)));
         direct.rounds.extend(rounds.extract_if(.., |round| choice.is_number_direct(round.number())));
         for owner in contacts.iter().flat_map(|contact| contact.rows).filter_map(|row| choice.owner(row)) {
-            mechanisms[owner.mechanism as usize].direct.has_passes = true;
+            if let Some(mechanism) = mechanisms.get_mut(owner.mechanism as usize) {
+                mechanism.direct.has_passes = true;
+            }
         }
     }
 

@@ -1,0 +1,242 @@
+//! Promise: joints in passes keep momentum, make no energy and give way by their load over a
+//! stiffness that the documentation says; with more substeps they come to what direct solution
+//! does. Nets are in passes unless the settings say otherwise, and chains and trees never are.
+//!
+//! Why: a net that is solved directly takes 300 times as long. It fails if an impulse acts on one
+//! body only or at two points, if errors are taken out with energy, if a load makes light links
+//! explode, or if an exact joint is soft where it need not be.
+
+use glam::{DQuat, DVec3};
+use hecs::{Entity, World};
+use tumble::{Axes, BodyId, Joint, JointSolver, Limit, Limits, Mass, Material, RigidBody, Settings, Shape, Simulation};
+use tumble_benches::{JointKind, chain, net};
+use tumble_tests::touching::{collider, ground};
+use tumble_tests::{Draw, EPSILON, by_precision, cases, dvec3, hash, quat, run};
+
+use crate::jointed::*;
+use crate::mechanisms::{Class, mechanism};
+
+impl Rig {
+    fn solved(mut self, joints: JointSolver) -> Self {
+        self.simulation = Simulation::new(self.simulation.settings().with_joints(joints)).unwrap();
+        self
+    }
+}
+
+/// Steps of 1/10 to 1/240 s, with 1 to 16 substeps.
+fn any_steps(draw: &mut Draw) -> (f64, u32) {
+    (1.0 / draw.log_between(10.0, 240.0), 1 + draw.between(0.0, 16.0) as u32)
+}
+
+/// What hangs on one joint, of any kind, gives way by its load over the stiffness: `m w^2` of the
+/// mass, with a quarter of a period a substep on the ground.
+#[test]
+fn what_hangs_gives_way_by_its_load_over_the_stiffness() {
+    for case in 0..u64::from(cases(60)) {
+        let mut draw = Draw::new(0x71, case);
+        let (dt, substeps) = any_steps(&mut draw);
+        let h = dt / f64::from(substeps);
+        let (size, mass) = (draw.log_between(0.01, 100.0), draw.log_between(1e-3, 1e6));
+        let mut rig = Rig::new(down(), dt, substeps).solved(JointSolver::Passes);
+        let beam = rig.ground();
+        let made = [Joint::ball, Joint::hinge, Joint::fixed][(case % 3) as usize];
+        let shape = Shape::cuboid([0.4 * size, 0.5 * size, 0.3 * size]);
+        let at = DVec3::NEG_Y * size;
+        let body = rig.spawn(RigidBody::new(shape).without_collider().mass(mass).position(real(at)));
+        let [first, second] = if draw.often(0.5) { [beam, body] } else { [body, beam] };
+        let joint = rig.join_at(made(first, second), ORIGIN, DVec3::Z);
+        rig.run_to(400.0 * dt);
+        let expected = G * (2.0 * h / std::f64::consts::PI).powi(2);
+        let sag = at.y - rig.position(body).y;
+        let rounding = 10.0 * EPSILON * size;
+        assert!((sag - expected).abs() < 0.02 * expected + rounding, "case {case}: {sag:e} m of {expected:e} m");
+        let load = dvec3(rig.load(joint).force) * if first == beam { 1.0 } else { -1.0 };
+        assert!((load - DVec3::Y * mass * G).length() < 2e-3 * mass * G, "case {case}: {load} N");
+        let speed = rig.velocity(body).length();
+        assert!(speed < 1e-3 * G * dt + rounding / h, "case {case}: {speed} m/s");
+    }
+}
+
+/// A tree with loops, of balls, hinges and welds only. Returns its bodies.
+fn pins(class: Class, draw: &mut Draw, rig: &mut Rig) -> (Vec<Entity>, Vec<Entity>) {
+    let mut plan = mechanism(class, draw);
+    plan.joints.iter_mut().for_each(|joint| joint.kind = [0, 1, 6][joint.kind % 3]);
+    let all = |count: usize| (0..count).collect::<Vec<_>>();
+    plan.spawn(&mut rig.world, &all(plan.bodies.len()), &all(plan.joints.len()))
+}
+
+/// A class of mechanisms for steps of `h` \[s\], slow enough to be seen turning.
+fn any_class(draw: &mut Draw, h: f64) -> Class {
+    let size = draw.log_between(0.01, 100.0);
+    Class {
+        bodies: 2 + draw.between(0.0, 30.0) as u64,
+        mass_ratio: draw.log_between(1.0, 1e4),
+        aspect: draw.log_between(1.0, 10.0),
+        loops: draw.between(0.0, 0.5),
+        size,
+        speed: 0.1 * size / h * draw.log_between(0.01, 1.0),
+        ..Class::PLAIN
+    }
+}
+
+/// Random mechanisms that fly free, some of which lose a joint now and then.
+#[test]
+fn free_mechanisms_keep_their_momenta_and_gain_nothing() {
+    for case in 0..u64::from(cases(300)) {
+        let mut draw = Draw::new(0x72, case);
+        let (dt, substeps) = any_steps(&mut draw);
+        let class = any_class(&mut draw, dt / f64::from(substeps));
+        let mut rig = Rig::new(DVec3::ZERO, dt, substeps).solved(JointSolver::Passes);
+        let (_, mut joints) = pins(class, &mut draw, &mut rig);
+        let is_losing = draw.often(0.3);
+        let before = rig.totals();
+        let mass: f64 = rig.world.query::<&Mass>().iter().map(|mass| f64::from(mass.kilograms())).sum();
+        let (mut peak, mut moved, mut turned) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for step in 0..200 {
+            if is_losing && step % 20 == 19 && !joints.is_empty() {
+                let lost = joints.swap_remove((draw.between(0.0, 0.999) * joints.len() as f64) as usize);
+                rig.world.despawn(lost).unwrap();
+            }
+            rig.step();
+            let now = rig.totals();
+            peak = peak.max(now.energy() / before.energy());
+            moved = moved.max((now.linear_momentum - before.linear_momentum).length());
+            turned = turned.max((now.angular_momentum - before.angular_momentum).length());
+        }
+        let scale = mass * class.speed;
+        assert!(moved < 200.0 * EPSILON * scale, "case {case}: {moved:e} of {scale:e} kg m/s");
+        // Moments that a load has raised round what is put back after the step.
+        let most = by_precision(2e-3, 1e-10) * scale * class.size;
+        assert!(turned < most, "case {case}: {turned:e} of {most:e} kg m^2/s");
+        assert!(peak < 1.0 + 1e-3, "case {case}: {peak} times the energy");
+    }
+}
+
+/// The state after a second.
+fn end(mut world: World, joints: JointSolver) -> u64 {
+    run(&mut Simulation::new(Settings::default().with_joints(joints)).unwrap(), &mut world, 60);
+    hash(&world)
+}
+
+/// Without a word in the settings nets are in passes, and what has a sparse matrix is exact.
+#[test]
+fn nets_are_in_passes_and_all_else_is_direct() {
+    let of_net = end(net(40), JointSolver::Auto);
+    assert_eq!(of_net, end(net(40), JointSolver::Passes));
+    for made in [|| chain(1_000, JointKind::Ball), || chain(300, JointKind::Hinge), || net(8)] {
+        let direct = end(made(), JointSolver::Direct);
+        assert_eq!(end(made(), JointSolver::Auto), direct);
+        assert_ne!(end(made(), JointSolver::Passes), direct);
+    }
+}
+
+/// A limit anywhere makes a mechanism direct, whatever the settings say.
+#[test]
+fn mechanisms_with_limits_are_direct() {
+    let made = || {
+        let mut world = chain(20, JointKind::Hinge);
+        let joint = world.query::<(Entity, &Joint)>().iter().map(|(entity, _)| entity).max().unwrap();
+        world.insert_one(joint, Limits::along(Axes::ANGULAR_X, Limit::new(-0.1, 0.1))).unwrap();
+        world
+    };
+    assert_eq!(end(made(), JointSolver::Passes), end(made(), JointSolver::Direct));
+}
+
+/// How far the balls of a small net are from where they are without errors, after half a second, of
+/// how far they went.
+fn distance_from_direct(substeps: u32) -> f64 {
+    let [passes, direct, start] =
+        [(JointSolver::Passes, 30), (JointSolver::Direct, 30), (JointSolver::Direct, 0)].map(|(joints, steps)| {
+            let mut rig = Rig::new(down(), 1.0 / 60.0, substeps).solved(joints);
+            rig.world = net(6);
+            (0..steps).for_each(|_| rig.step());
+            let mut balls: Vec<(BodyId, DVec3)> =
+                rig.world.query::<(Entity, &BodyId)>().iter().map(|(ball, id)| (*id, rig.position(ball))).collect();
+            balls.sort_by_key(|ball| ball.0);
+            balls
+        });
+    let far = |balls: &[(BodyId, DVec3)]| {
+        balls.iter().zip(&direct).map(|(ball, exact)| (ball.1 - exact.1).length()).fold(0.0, f64::max)
+    };
+    far(&passes) / far(&start)
+}
+
+#[test]
+fn with_more_substeps_passes_come_to_the_direct_solution() {
+    let errors = [4, 16, 64].map(distance_from_direct);
+    assert!(errors[0] < 0.1 && errors[1] < 0.5 * errors[0] && errors[2] < 0.5 * errors[1], "{errors:?}");
+    assert!(errors[2] < 0.01, "{errors:?}");
+}
+
+/// A chain of which the end is a thousand times as heavy as a link, swung: its tension turns links
+/// faster than substeps resolve.
+#[test]
+fn a_swung_chain_with_a_heavy_end_holds() {
+    for substeps in [4, 16] {
+        let mut rig = Rig::new(down(), 1.0 / 60.0, substeps).solved(JointSolver::Passes);
+        let mut above = rig.ground();
+        for link in 0..20 {
+            let mass = if link == 19 { 1000.0 } else { 1.0 };
+            let at = DVec3::NEG_Y * (0.05 + 0.1 * f64::from(link));
+            let push = DVec3::X * 0.25 * f64::from(link);
+            let shape = Shape::cuboid([0.01, 0.05, 0.01]);
+            let body = RigidBody::new(shape).without_collider().mass(mass).position(real(at));
+            let body = rig.spawn(body.linear_velocity(real(push)));
+            rig.join_at(Joint::ball(above, body), at + DVec3::Y * 0.05, DVec3::X);
+            above = body;
+        }
+        // Joints give way by the load over their stiffness, the first of one body by a quarter: twice as
+        // far where it is let go, and somewhat more where it swings.
+        let h = 1.0 / (60.0 * f64::from(substeps));
+        let unit = 1000.0 * G * (4.0 * h / std::f64::consts::PI).powi(2);
+        let stretched = unit * (0.25 + 18.0 * 2.0 + 1.001);
+        let before = rig.energy();
+        for _ in 0..3000 {
+            rig.step();
+            assert!(rig.energy() < before + 0.01 * before.abs(), "{substeps}: {} of {before} J", rig.energy());
+            let length = rig.position(above).length();
+            assert!(length < 2.0 + 2.5 * stretched, "{substeps}: {length} m, {stretched} at rest");
+        }
+    }
+}
+
+/// A net of balls with colliders falls on the ground and comes to rest there.
+#[test]
+fn a_net_lies_on_the_ground() {
+    for case in 0..u64::from(cases(12)) {
+        let mut draw = Draw::new(0x73, case);
+        let size = draw.log_between(0.05, 10.0);
+        let dt = 1.0 / draw.log_between(30.0, 240.0);
+        let substeps = 4.max((dt * (G / size).sqrt() * 4.0).ceil() as u32);
+        let mut rig = Rig::new(down(), dt, substeps).solved(JointSolver::Passes);
+        ground(&mut rig.world, Material::default(), quat(DQuat::IDENTITY));
+        let (side, radius) = (8, 0.3 * size);
+        let mut balls = Vec::new();
+        for number in 0..side * side {
+            let (row, column) = (number / side, number % side);
+            let at = DVec3::new(column as f64, 2.0 + 0.5 * row as f64, row as f64 * 0.8) * size;
+            let shape = Shape::sphere(radius);
+            let ball = RigidBody::new(shape.clone()).mass(draw.log_between(0.5, 2.0)).position(real(at));
+            let ball = ball.build().unwrap().spawn_with(&mut rig.world, (collider(&shape),));
+            for other in [(column > 0).then(|| number - 1), (row > 0).then(|| number - side)].into_iter().flatten() {
+                let middle = (rig.position(balls[other]) + at) * 0.5;
+                rig.join_at(Joint::ball(balls[other], ball), middle, DVec3::X);
+            }
+            balls.push(ball);
+        }
+        let before = rig.energy();
+        let time = 20.0 * (size / G).sqrt() * 4.0;
+        while rig.simulation.time() < time {
+            rig.step();
+            assert!(rig.energy() < before * (1.0 + 1e-3), "case {case}: {} of {before} J", rig.energy());
+            let deepest = balls.iter().map(|ball| radius - rig.position(*ball).y).fold(0.0, f64::max);
+            assert!(deepest < 0.3 * radius, "case {case}: {deepest} m of {radius} m");
+        }
+        let fastest = balls.iter().map(|ball| rig.velocity(*ball).length()).fold(0.0, f64::max);
+        assert!(fastest < 0.05 * (G * size).sqrt(), "case {case}: {fastest} m/s");
+        // The load of three of the heaviest on the lightest.
+        let h = dt / f64::from(substeps);
+        let most = 0.01 * size + 3.0 * 8.0 * G * (4.0 * h / std::f64::consts::PI).powi(2);
+        assert!(rig.largest_gap() < most, "case {case}: {} of {most} m", rig.largest_gap());
+    }
+}
