@@ -32,7 +32,7 @@ const CASES: [Case; 2] =
 
 impl Case {
     fn settings(self) -> Settings {
-        Settings::default().with_dt(1.0 / 64.0).with_substeps(2).with_contact_substeps(8).with_joints(self.joints)
+        Settings::default().with_dt(1.0 / 64.0).with_substeps(2).with_contact_substeps(8).with_joint_solver(self.joints)
     }
 
     fn simulation(self) -> Simulation {

@@ -204,6 +204,7 @@ pub use step::{
 
 pub use clock::Clock;
 pub use integrator::UnknownIntegrator;
+pub use joints::UnknownJointSolver;
 pub use simd::simd_name;
 pub use {glam, hecs};
 

@@ -35,7 +35,7 @@ pub struct Settings {
     /// When bodies at rest are left out of the steps. `None` unless set: none is.
     pub sleep: Option<Sleep>,
     /// How joints are solved. [`JointSolver::Auto`] unless set.
-    pub joints: JointSolver,
+    pub joint_solver: JointSolver,
 }
 
 /// When bodies at rest fall asleep: they are left out of the steps until something disturbs them.
@@ -96,7 +96,7 @@ impl Default for Settings {
             contact_substeps: 4,
             restitution_threshold: 1.0,
             sleep: None,
-            joints: JointSolver::Auto,
+            joint_solver: JointSolver::Auto,
         }
     }
 }
@@ -153,10 +153,10 @@ impl Settings {
         Self { sleep: sleep.into(), ..self }
     }
 
-    /// The same with another way to solve joints.
+    /// The same with joints solved in another way.
     #[must_use]
-    pub fn with_joints(self, joints: JointSolver) -> Self {
-        Self { joints, ..self }
+    pub fn with_joint_solver(self, joint_solver: JointSolver) -> Self {
+        Self { joint_solver, ..self }
     }
 
     /// Whether a simulation can run with these.

@@ -18,7 +18,7 @@ use crate::mechanisms::{Class, mechanism};
 
 impl Rig {
     fn solved(mut self, joints: JointSolver) -> Self {
-        self.simulation = Simulation::new(self.simulation.settings().with_joints(joints)).unwrap();
+        self.simulation = Simulation::new(self.simulation.settings().with_joint_solver(joints)).unwrap();
         self
     }
 }
@@ -114,7 +114,7 @@ fn free_mechanisms_keep_their_momenta_and_gain_nothing() {
 
 /// The state after a second.
 fn end(mut world: World, joints: JointSolver) -> u64 {
-    run(&mut Simulation::new(Settings::default().with_joints(joints)).unwrap(), &mut world, 60);
+    run(&mut Simulation::new(Settings::default().with_joint_solver(joints)).unwrap(), &mut world, 60);
     hash(&world)
 }
 

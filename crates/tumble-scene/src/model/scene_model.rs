@@ -31,6 +31,7 @@ pub(crate) struct SceneModel {
     pub(crate) integrator: Option<String>,
     pub(crate) contact_substeps: Option<u32>,
     pub(crate) restitution_threshold: Option<f64>,
+    pub(crate) joint_solver: Option<String>,
     pub(crate) sleep: Option<SleepModel>,
     #[serde(default, deserialize_with = "bodies")]
     pub(crate) bodies: Vec<BodyModel>,
@@ -60,6 +61,7 @@ impl SceneModel {
             integrator: self.integrator.clone(),
             contact_substeps: self.contact_substeps,
             restitution_threshold: self.restitution_threshold,
+            joint_solver: self.joint_solver.clone(),
             sleep: self.sleep.clone(),
             ..Self::default()
         }

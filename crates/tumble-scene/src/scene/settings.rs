@@ -32,6 +32,10 @@ pub(crate) fn settings(model: &SceneModel) -> Result<(Settings, u64), FieldError
         let speed = finite("restitution_threshold", speed)?;
         settings = settings.with_restitution_threshold(real(speed));
     }
+    if let Some(solver) = &model.joint_solver {
+        let solver = solver.parse().map_err(|error| FieldError::new("joint_solver", error))?;
+        settings = settings.with_joint_solver(solver);
+    }
     if let Some(sleep) = &model.sleep {
         let Sleep { speed, time } = Sleep::default();
         let number = |name, value: Option<f64>, otherwise| value.map_or(Ok(otherwise), |it| finite(name, it).map(real));

@@ -108,7 +108,7 @@ impl JointList {
     ///
     /// Returns whether they keep the same pairs apart as before.
     pub(crate) fn find(&mut self, world: &World, body_index: &BodyIndex) -> bool {
-        let Self { joints, found, order, options, endless, endless_before, idle_loads, .. } = self;
+        let Self { found, options, endless, endless_before, idle_loads, .. } = self;
         found.clear();
         idle_loads.clear();
         let mut with_options = 0;
@@ -152,6 +152,23 @@ impl JointList {
                 }
             }
         }
+        self.list_found();
+        IgnoreContacts::list(world, &mut self.ignoring);
+        let slots = |[a, b]: &[Entity; 2]| Some([body_index.slot(a.id())?, body_index.slot(b.id())?]);
+        self.ignored.clear();
+        self.ignored.extend(self.ignoring.iter().filter_map(slots));
+        self.all_gears.clear();
+        self.all_gears.extend(world.query::<&Gear>().iter().filter(|gear| gear.is_in_range()));
+        self.find_gears();
+        let Self { endless, endless_before, .. } = self;
+        let gone = endless.iter().filter(|joint| endless_before.binary_search(joint).is_err());
+        self.events.extend(gone.map(|joint| JointEvent::EndIsGone(*joint)));
+        self.find_untouching()
+    }
+
+    /// Lists the joints that were found, in order.
+    fn list_found(&mut self) {
+        let Self { joints, found, order, options, .. } = self;
         // It seldom changes.
         let of_number = |number: &u32| &found[*number as usize];
         let is_sorted = |order: &[u32]| order.is_sorted_by(|a, b| of_number(a).cmp(of_number(b), options).is_le());
@@ -164,17 +181,6 @@ impl JointList {
         }
         joints.clear();
         joints.extend(order.iter().map(|number| of_number(number).clone()));
-        IgnoreContacts::list(world, &mut self.ignoring);
-        let slots = |[a, b]: &[Entity; 2]| Some([body_index.slot(a.id())?, body_index.slot(b.id())?]);
-        self.ignored.clear();
-        self.ignored.extend(self.ignoring.iter().filter_map(slots));
-        self.all_gears.clear();
-        self.all_gears.extend(world.query::<&Gear>().iter().filter(|gear| gear.is_in_range()));
-        self.find_gears();
-        let Self { endless, endless_before, .. } = self;
-        let gone = endless.iter().filter(|joint| endless_before.binary_search(joint).is_err());
-        self.events.extend(gone.map(|joint| JointEvent::EndIsGone(*joint)));
-        self.find_untouching()
     }
 
     /// Takes out what is broken; returns whether the others keep the same pairs apart as before.

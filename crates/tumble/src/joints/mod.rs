@@ -30,7 +30,7 @@ pub use crate::joints::joint::Joint;
 pub use crate::joints::joint_error::JointError;
 pub use crate::joints::joint_event::JointEvent;
 pub use crate::joints::joint_load::JointLoad;
-pub use crate::joints::joint_solver::JointSolver;
+pub use crate::joints::joint_solver::{JointSolver, UnknownJointSolver};
 pub use crate::joints::limits::{Cone, Limit, Limits};
 pub use crate::joints::locked_axes::LockedAxes;
 

@@ -14,7 +14,7 @@ use crate::solver::direct::direct_contacts::ContactStage;
 use crate::solver::direct::direct_group::DirectGroup;
 use crate::solver::gather_scatter::{Constraints, ForceInputs, gather};
 use crate::solver::halved_substeps::HalvedGroup;
-use crate::solver::joint_passes::joint_passes::JointPasses;
+use crate::solver::joint_passes::pass_stages::JointPasses;
 use crate::solver::mechanism::mechanisms::Mechanisms;
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
 use crate::solver::stack_stiffness::Stacks;
@@ -109,7 +109,7 @@ impl Solver {
         let next_rows = gather(constraints, body_index, columns, inputs, results, first_rows);
         let Constraints { bodies: constrained, contacts, mechanisms } = constraints;
         let (constrained, first) = (&**constrained, all.len() as u32);
-        let passes = (inputs.0.joints, &mut *joints);
+        let passes = (inputs.0.joint_solver, &mut *joints);
         mechanisms.gather((constrained, contacts), body_index, columns, bodies, passes);
         if constrained.jointed_locks().next().is_some() {
             mechanisms.lock(constrained, bodies);
@@ -273,9 +273,14 @@ impl SolverGroup {
                 mechanisms.solve_stage((bodies, contact_works), direct, (stage, h));
             }
         }
+        self.finish(all, f64::from(substeps) * f64::from(h));
+    }
+
+    /// To be called after the last substep, at this time since the first began \[s\].
+    fn finish(&mut self, all: &mut [ContactRecord], end: f64) {
+        let Self { bodies, contact_works, ball_collisions, constraints, direct, joints, .. } = self;
         joints.finish(bodies, contact_works);
         bodies.settle_locked();
-        let end = f64::from(substeps) * f64::from(h);
         ball_collisions.iter_mut().for_each(|it| it.finish(bodies, end));
         constraints.store_impulses(all);
         direct.store_impulses(all);

@@ -3,8 +3,8 @@
 
 pub(crate) mod held_impulses;
 pub(crate) mod joint_block;
-pub(crate) mod joint_passes;
 pub(crate) mod joint_sheet;
 pub(crate) mod loaded_bodies;
 pub(crate) mod pass_joints;
+pub(crate) mod pass_stages;
 mod small_ldl;

@@ -18,7 +18,7 @@ use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact_work::ContactWorks;
 use crate::solver::direct::direct_choice::DirectChoice;
 use crate::solver::direct::direct_contacts::DirectContacts;
-use crate::solver::joint_passes::joint_passes::JointPasses;
+use crate::solver::joint_passes::pass_stages::JointPasses;
 use crate::solver::mechanism::fours::{row, vector};
 use crate::solver::mechanism::free_axis::free_axis_bits;
 use crate::solver::mechanism::gear_rows::GearRows;
@@ -255,9 +255,10 @@ impl Mechanisms {
         awake.for_each(|(_, load)| *load = 0.0);
     }
 
-    /// Makes mechanisms of the structure.
-    fn arrange(&mut self, slots: usize) {
-        let Self { structure, lock_structure, mechanisms, islands, list, active, gears, passed, .. } = self;
+    /// By slot, which bodies impulses move; and joints and gears in the order of their
+    /// mechanisms, of which one body stands for each.
+    fn joints_by_root(&mut self, slots: usize) -> (Vec<bool>, Vec<(Slot, u32)>) {
+        let Self { structure, islands, gears, .. } = self;
         let mut dynamic = vec![false; slots];
         for (of_link, moves, ..) in &*structure {
             (0..2).for_each(|end| dynamic[of_link[end].index()] = moves[end]);
@@ -275,6 +276,13 @@ impl Mechanisms {
             by_root.push((islands.root(moving(joint)), number));
         }
         by_root.sort_unstable();
+        (dynamic, by_root)
+    }
+
+    /// Makes mechanisms of the structure.
+    fn arrange(&mut self, slots: usize) {
+        let (dynamic, by_root) = self.joints_by_root(slots);
+        let Self { structure, lock_structure, mechanisms, list, active, gears, passed, .. } = self;
         mechanisms.clear();
         passed.numbers.clear();
         passed.mechanisms.clear();

@@ -4,7 +4,7 @@ use crate::joints::joint_solver::JointSolver;
 use crate::math::double;
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::joint_passes::held_impulses::{HeldImpulse, HeldImpulses};
-use crate::solver::joint_passes::joint_passes::{JointPasses, PassedJoint};
+use crate::solver::joint_passes::pass_stages::{JointPasses, PassedJoint};
 use crate::solver::mechanism::joint_anchor::anchor;
 use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::mechanism_body::MechanismBody;

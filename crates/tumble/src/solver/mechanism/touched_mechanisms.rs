@@ -11,7 +11,7 @@ use crate::solver::direct::direct_choice::{Candidates, Owner};
 use crate::solver::direct::direct_contact::DirectContact;
 use crate::solver::direct::direct_contacts::ContactStage;
 use crate::solver::direct::direct_group::DirectGroup;
-use crate::solver::joint_passes::joint_passes::JointPasses;
+use crate::solver::joint_passes::pass_stages::JointPasses;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanisms::{Mechanism, Mechanisms};
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
