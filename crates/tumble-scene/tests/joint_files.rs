@@ -7,7 +7,7 @@
 use hecs::World;
 use proptest::prelude::*;
 use tumble::math::Real;
-use tumble::{Axes, Breakable, Cone, Drive, Drives, Gain, Joint, JointFriction, Limit, Limits};
+use tumble::{Axes, Breakable, Cone, Drive, Drives, Gain, Joint, JointFriction, JointSolver, Limit, Limits};
 use tumble_scene::{Audit, Scene};
 
 use crate::axes::AXES;
@@ -478,4 +478,15 @@ fn an_audit_shows_joints_and_what_is_wrong_with_them() {
     assert_eq!((first.name.as_str(), first.between.join(" ")), ("joints[0]", "b a".to_owned()));
     assert_eq!(first.problems, ["limits.linear_x: does nothing: the joint locks that axis"]);
     assert!(second.problems.is_empty() && second.kind == "hinge");
+}
+
+#[test]
+fn a_scene_says_how_joints_are_solved() {
+    let of = |text: &str| Scene::from_json(text, "scene.x").map(|scene| scene.settings.joint_solver);
+    assert_eq!(of("{}").unwrap(), JointSolver::Auto);
+    for solver in JointSolver::ALL {
+        assert_eq!(of(&format!(r#"{{ "joint_solver": "{solver}" }}"#)).unwrap(), solver);
+    }
+    let error = of(r#"{ "joint_solver": "soft" }"#).unwrap_err().to_string();
+    assert!(error.contains("joint_solver") && error.contains("unknown joint solver 'soft'"), "{error}");
 }

@@ -8,10 +8,14 @@
 
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
-use tumble::{Axes, BodyId, Joint, JointSolver, Limit, Limits, Mass, Material, RigidBody, Settings, Shape, Simulation};
+use tumble::math::Real;
+use tumble::{
+    Axes, BodyId, Joint, JointSolver, Limit, Limits, Mass, Material, Momentum, RigidBody, Settings, Shape, Simulation,
+    Sleep, Snapshot, SnapshotError,
+};
 use tumble_benches::{JointKind, chain, net};
 use tumble_tests::touching::{collider, ground};
-use tumble_tests::{Draw, EPSILON, by_precision, cases, dvec3, hash, quat, run};
+use tumble_tests::{Draw, EPSILON, by_precision, cases, dvec3, forged, hash, quat, run};
 
 use crate::jointed::*;
 use crate::mechanisms::{Class, mechanism};
@@ -239,4 +243,65 @@ fn a_net_lies_on_the_ground() {
         let most = 0.01 * size + 3.0 * 8.0 * G * (4.0 * h / std::f64::consts::PI).powi(2);
         assert!(rig.largest_gap() < most, "case {case}: {} of {most} m", rig.largest_gap());
     }
+}
+
+/// Balls one below the other.
+fn hanging(count: u64, settings: Settings) -> (Rig, Vec<Entity>) {
+    let mut rig = Rig { world: World::new(), simulation: Simulation::new(settings).unwrap() };
+    let mut above = rig.spawn(RigidBody::new(Shape::Point).fixed().id(BodyId(1)));
+    let balls = (0..count).map(|number| {
+        let at = DVec3::NEG_Y * (0.5 + number as f64);
+        let ball = RigidBody::new(Shape::sphere(0.1)).without_collider().mass(1.0).position(real(at));
+        let ball = rig.spawn(ball.id(BodyId(2 + number)));
+        rig.join_at(Joint::ball(above, ball), at + DVec3::Y * 0.5, DVec3::X);
+        above = ball;
+        ball
+    });
+    let balls = balls.collect();
+    (rig, balls)
+}
+
+/// What sleeps keeps its impulses: without them it would fall by half a free fall of a substep.
+#[test]
+fn what_wakes_hangs_as_before() {
+    let settings = Settings::default().with_joint_solver(JointSolver::Passes).with_sleep(Sleep::default());
+    let (mut rig, balls) = hanging(5, settings);
+    rig.run_to(10.0);
+    let (last, h) = (balls[4], f64::from(settings.contact_substep()));
+    assert!(rig.simulation.is_asleep(last));
+    let before: Vec<DVec3> = balls.iter().map(|ball| rig.position(*ball)).collect();
+    let push = 1e-2 * G * h;
+    rig.world.get::<&mut Momentum>(last).unwrap().apply_impulse(real(DVec3::X * push));
+    rig.step();
+    assert!(!rig.simulation.is_asleep(last));
+    for (ball, before) in balls.iter().zip(before) {
+        let moved = (rig.position(*ball) - before).length();
+        assert!(moved < 0.1 * G * h * h, "{moved:e} m");
+    }
+}
+
+#[test]
+fn impossible_impulses_are_refused() {
+    let (mut rig, _) = hanging(3, Settings::default().with_joint_solver(JointSolver::Passes));
+    rig.run_to(0.5);
+    let bytes = rig.simulation.snapshot(&rig.world).unwrap().to_bytes();
+    assert!(Snapshot::from_bytes(&bytes).is_ok());
+    let number = size_of::<Real>();
+    let of_joint = 8 + 6 * number;
+    let first = bytes.len() - 8 - 3 * of_joint;
+    let refused = |place: usize, other: &[u8], joint: usize| {
+        let error = Snapshot::from_bytes(&forged(&bytes, place, other)).unwrap_err();
+        assert_eq!(error, SnapshotError::JointImpulse { joint });
+    };
+    for joint in 0..3 {
+        let place = first + joint * of_joint;
+        for row in 0..6 {
+            refused(place + 8 + row * number, &Real::NAN.to_le_bytes(), joint);
+        }
+        // No such body, and twice the same.
+        refused(place + 4, &4_u32.to_le_bytes(), joint);
+        refused(place + 4, &bytes[place..place + 4], joint);
+    }
+    // After one of later bodies.
+    refused(first, &3_u32.to_le_bytes(), 1);
 }
