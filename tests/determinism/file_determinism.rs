@@ -18,8 +18,8 @@ use crate::pile::{plain_scene, settings};
 
 /// A snapshot, a record as CSV and one as glTF, in single and double precision.
 const PINNED: [[u64; 3]; 2] = [
-    [0x2de3_e3bf_fc1e_b0e1, 0x6e66_9ee1_af54_b38d, 0xe000_b144_7496_33dd],
-    [0x37af_fe18_288f_7990, 0xb969_0a96_f6c9_5cb6, 0x3c2b_eb0f_dcee_8db4],
+    [0x0985_5431_1f54_0735, 0x6e66_9ee1_af54_b38d, 0xe000_b144_7496_33dd],
+    [0x598f_b71e_fa0f_9b94, 0xb969_0a96_f6c9_5cb6, 0x3c2b_eb0f_dcee_8db4],
 ];
 
 /// FNV-1a.

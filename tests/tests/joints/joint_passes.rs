@@ -11,7 +11,7 @@ use hecs::{Entity, World};
 use tumble::math::Real;
 use tumble::{
     Axes, BodyId, Joint, JointSolver, Limit, Limits, Mass, Material, Momentum, RigidBody, Settings, Shape, Simulation,
-    Sleep, Snapshot, SnapshotError,
+    Sleep, Snapshot, SnapshotError, Work,
 };
 use tumble_benches::{JointKind, chain, net};
 use tumble_tests::touching::{collider, ground};
@@ -58,6 +58,33 @@ fn what_hangs_gives_way_by_its_load_over_the_stiffness() {
         assert!((load - DVec3::Y * mass * G).length() < 2e-3 * mass * G, "case {case}: {load} N");
         let speed = rig.velocity(body).length();
         assert!(speed < 1e-3 * G * dt + rounding / h, "case {case}: {speed} m/s");
+    }
+}
+
+/// A rod on a hinge swings about the axis that is free, whichever of its frames' that is, and about no
+/// other.
+#[test]
+fn hinges_are_free_about_any_axis_of_their_frames() {
+    let [first, second, third] = [Axes::ANGULAR_X, Axes::ANGULAR_Y, Axes::ANGULAR_Z].map(|free| {
+        let mut rig = Rig::new(down(), 1.0 / 120.0, 8).solved(JointSolver::Passes);
+        let beam = rig.ground();
+        let rod = rig.spawn(rod(1.0, 1.0, DVec3::X * 0.5).angular_velocity(real(DVec3::new(0.3, 2.0, 0.0))));
+        let turn = match free {
+            Axes::ANGULAR_X => DQuat::from_rotation_arc(DVec3::X, DVec3::Z),
+            Axes::ANGULAR_Y => DQuat::from_rotation_arc(DVec3::Y, DVec3::Z),
+            _ => DQuat::IDENTITY,
+        };
+        let mut joint = Joint::fixed(beam, rod);
+        joint.free = free;
+        joint.frames = [frame(ORIGIN, turn), frame(DVec3::NEG_X * 0.5, turn)];
+        rig.join(joint);
+        rig.run_to(1.0);
+        (rig.position(rod), rig.angular_velocity(rod))
+    });
+    assert!((first.0 - DVec3::X * 0.5).length() > 0.1 && first.0.z.abs() < 1e-3, "{first:?}");
+    assert!(first.1.z.abs() > 0.1 && first.1.truncate().length() < 0.05, "{first:?}");
+    for other in [second, third] {
+        assert!((other.0 - first.0).length() < 1e-3 && (other.1 - first.1).length() < 1e-2, "{other:?} {first:?}");
     }
 }
 
@@ -243,6 +270,29 @@ fn a_net_lies_on_the_ground() {
         let most = 0.01 * size + 3.0 * 8.0 * G * (4.0 * h / std::f64::consts::PI).powi(2);
         assert!(rig.largest_gap() < most, "case {case}: {} of {most} m", rig.largest_gap());
     }
+}
+
+/// What joints, gravity and contacts did adds up to the change of the energy of motion, with loads that
+/// raise inertia.
+#[test]
+fn works_add_up() {
+    let mut rig = Rig::new(down(), 1.0 / 60.0, 4).solved(JointSolver::Passes);
+    rig.world = net(6);
+    let balls: Vec<Entity> = rig.world.query::<(Entity, &Momentum)>().iter().map(|(ball, _)| ball).collect();
+    balls.iter().for_each(|ball| rig.world.insert_one(*ball, Work::default()).unwrap());
+    let (mut joints, mut most) = (0.0_f64, 0.0_f64);
+    for _ in 0..120 {
+        rig.step();
+        let works: Vec<Work> = balls.iter().map(|ball| *rig.world.get::<&Work>(*ball).unwrap()).collect();
+        let done: f64 = works.iter().map(Work::total).sum();
+        let totals = rig.totals();
+        let energy = totals.linear_kinetic + totals.rotational_kinetic;
+        most = most.max(energy);
+        assert!((done - energy).abs() < by_precision(1e-3, 1e-8) * most, "{done} of {energy} J");
+        assert_eq!(works.iter().map(|work| work.contacts).sum::<f64>(), 0.0);
+        joints = works.iter().map(|work| work.joints).sum();
+    }
+    assert!(joints < -1e-2 * most, "joints did {joints} J of {most} J");
 }
 
 /// Balls one below the other.

@@ -44,7 +44,7 @@ impl HeldImpulses {
         let mut next = self.joints.iter().peekable();
         move |joint| {
             while next.next_if(|held| held.slots < joint.slots).is_some() {}
-            next.next_if(|held| held.slots == joint.slots).map_or([0.0; 6], |held| held.impulses)
+            next.next_if(|held| held.slots == joint.slots).map_or(RowImpulses::default(), |held| held.impulses)
         }
     }
 

@@ -20,8 +20,8 @@ pub(crate) struct JointBlock<const R: usize, const M: usize> {
     pub(super) factors: [Lanes; M],
     /// Impulses of a substep on the second body \[N s\] [N m s].
     pub(super) impulses: [Lanes; R],
-    /// From the centres of mass to the anchors when the step began \[m\]; until
-    /// [`PrepareJoints`](super::pass_joints::PrepareJoints) has turned them along the body's axes.
+    /// From the centres of mass to the anchors when the step began \[m\]; before
+    /// [`PrepareJoints`](super::pass_joints::PrepareJoints) along the axes of the bodies.
     pub(super) anchors: [[Lanes; 3]; 2],
     /// From the first centre of mass to the second when the step began \[m\].
     pub(super) between: [Lanes; 3],
@@ -38,7 +38,7 @@ pub(crate) struct BlockRotations {
     /// About what rows turn, and the errors \[rad\].
     pub(super) axes: [[Lanes; 3]; 3],
     pub(super) errors: [Lanes; 3],
-    /// Orientations of both frames when the step began, or as `anchors` before that.
+    /// Orientations of both frames when the step began; before that against their bodies.
     pub(super) frames: [[Lanes; 4]; 2],
 }
 
