@@ -29,7 +29,7 @@ const MAX_COMMENT: usize = 100;
 const ORDERS: [(&str, &str); 6] = [
     (
         "crates/tumble/src",
-        "scope event_log math lane range rotation integrator settings clock threads components simd \
+        "scope event_log math lane range rotation integrator joint_solver settings clock threads components simd \
          integrators storage forces joints collision body queries solver step energy snapshot batch \
          debug_draw lib",
     ),

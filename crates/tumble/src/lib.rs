@@ -104,6 +104,7 @@ mod event_log;
 pub mod forces;
 mod integrator;
 mod integrators;
+mod joint_solver;
 pub mod joints;
 pub mod lane;
 pub mod math;
@@ -147,6 +148,7 @@ pub use forces::components::{
 pub use forces::force_law::{BodyState, ForceLaw};
 pub use forces::pairwise::{GravityMass, Spring};
 pub use integrator::Integrator;
+pub use joint_solver::JointSolver;
 pub use joints::axes::Axes;
 pub use joints::breakable::Breakable;
 pub use joints::drives::{Drive, Drives};
@@ -156,7 +158,6 @@ pub use joints::joint::Joint;
 pub use joints::joint_error::JointError;
 pub use joints::joint_event::JointEvent;
 pub use joints::joint_load::JointLoad;
-pub use joints::joint_solver::JointSolver;
 pub use joints::limits::{Limit, Limits};
 pub use joints::locked_axes::LockedAxes;
 pub use queries::hits::RayHit;
@@ -204,7 +205,7 @@ pub use step::{
 
 pub use clock::Clock;
 pub use integrator::UnknownIntegrator;
-pub use joints::UnknownJointSolver;
+pub use joint_solver::UnknownJointSolver;
 pub use simd::simd_name;
 pub use {glam, hecs};
 

@@ -1,7 +1,7 @@
 //! Simulation settings and their validation.
 
 use crate::integrator::Integrator;
-use crate::joints::joint_solver::JointSolver;
+use crate::joint_solver::JointSolver;
 use crate::math::{Real, Vec3};
 use crate::range::{MAX_GRAVITY, MAX_SPEED, SECONDS, within};
 

@@ -61,8 +61,8 @@ fn what_hangs_gives_way_by_its_load_over_the_stiffness() {
     }
 }
 
-/// A rod on a hinge swings about the axis that is free, whichever of its frames' that is, and about no
-/// other.
+/// A rod on a hinge swings about the axis that is free, whichever of its frame that is, and about
+/// no other.
 #[test]
 fn hinges_are_free_about_any_axis_of_their_frames() {
     let [first, second, third] = [Axes::ANGULAR_X, Axes::ANGULAR_Y, Axes::ANGULAR_Z].map(|free| {
@@ -149,7 +149,7 @@ fn end(mut world: World, joints: JointSolver) -> u64 {
     hash(&world)
 }
 
-/// Without a word in the settings nets are in passes, and what has a sparse matrix is exact.
+/// By default nets are in passes, and what has a sparse matrix is exact.
 #[test]
 fn nets_are_in_passes_and_all_else_is_direct() {
     let of_net = end(net(40), JointSolver::Auto);
@@ -216,8 +216,8 @@ fn a_swung_chain_with_a_heavy_end_holds() {
             rig.join_at(Joint::ball(above, body), at + DVec3::Y * 0.05, DVec3::X);
             above = body;
         }
-        // Joints give way by the load over their stiffness, the first of one body by a quarter: twice as
-        // far where it is let go, and somewhat more where it swings.
+        // Joints give way by the load over their stiffness, the first by an eighth: twice as far
+        // where the weight is let go, and somewhat more where it swings.
         let h = 1.0 / (60.0 * f64::from(substeps));
         let unit = 1000.0 * G * (4.0 * h / std::f64::consts::PI).powi(2);
         let stretched = unit * (0.25 + 18.0 * 2.0 + 1.001);
@@ -272,8 +272,8 @@ fn a_net_lies_on_the_ground() {
     }
 }
 
-/// What joints, gravity and contacts did adds up to the change of the energy of motion, with loads that
-/// raise inertia.
+/// What joints and gravity did adds up to the change of the energy of motion, with loads that raise
+/// inertia.
 #[test]
 fn works_add_up() {
     let mut rig = Rig::new(down(), 1.0 / 60.0, 4).solved(JointSolver::Passes);

@@ -10,9 +10,9 @@ use crate::collision::contact_events::ContactEvent;
 use crate::collision::contact_set::ContactSet;
 use crate::collision::pipeline::{Colliders, CollisionPipeline};
 use crate::collision::saved_contacts::SavedContacts;
+use crate::joints::held_impulses::{HeldImpulse, HeldImpulses};
 use crate::joints::joint_marks::JointMarks;
 use crate::math::Real;
-use crate::solver::joint_passes::held_impulses::{HeldImpulse, HeldImpulses};
 use crate::storage::body_index::{BodyIndex, Slot};
 
 /// The contacts of before, and the bodies that their slots stand for.
@@ -150,8 +150,8 @@ impl CollisionPipeline {
         self.colliders.list.clear();
     }
 
-    /// Copies what decides the next step, with the loads of joints by slot and the impulses of those in
-    /// passes.
+    /// Copies what decides the next step, with the loads of joints by slot, and the impulses
+    /// of those in passes.
     pub(crate) fn save(&self, (joint_loads, of_joints): (&[f64], &HeldImpulses), into: &mut SavedContacts) {
         into.clear();
         let SavedContacts { body_keys, centers, loads, still, contacts, held, places } = into;

@@ -8,12 +8,13 @@ use crate::collision::collider::Collider;
 use crate::collision::contact::{ContactRecord, MAX_HALVINGS};
 use crate::collision::contact_rows::WorldFriction;
 use crate::collision::narrow_phase::LaneKind;
+use crate::joints::held_impulses::HeldImpulse;
 use crate::math::Real;
-use crate::solver::joint_passes::held_impulses::HeldImpulse;
 use crate::storage::body_index::Slot;
 
-/// Contacts, and loads and impulses of joints, as the last step left them, between bodies by their keys: what
-/// a step begins with beside the bodies, and what is reported of contacts.
+/// Contacts, and loads and impulses of joints, as the last step left them, between
+/// bodies by their keys: what a step begins with beside the bodies, and what is reported of
+/// contacts.
 ///
 /// Forces, materials and colors are recomputed in every step.
 #[derive(Clone, Debug, Default)]

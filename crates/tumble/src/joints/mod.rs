@@ -7,6 +7,7 @@ pub(crate) mod drives;
 pub(crate) mod friction;
 pub(crate) mod gain;
 pub(crate) mod gear;
+pub(crate) mod held_impulses;
 pub(crate) mod ignore_contacts;
 pub(crate) mod joint;
 pub(crate) mod joint_error;
@@ -15,10 +16,10 @@ pub(crate) mod joint_list;
 pub(crate) mod joint_load;
 pub(crate) mod joint_marks;
 pub(crate) mod joint_options;
-pub(crate) mod joint_solver;
 pub(crate) mod limits;
 pub(crate) mod locked_axes;
 
+pub use crate::joint_solver::{JointSolver, UnknownJointSolver};
 pub use crate::joints::axes::Axes;
 pub use crate::joints::breakable::Breakable;
 pub use crate::joints::drives::{Drive, Drives};
@@ -30,7 +31,6 @@ pub use crate::joints::joint::Joint;
 pub use crate::joints::joint_error::JointError;
 pub use crate::joints::joint_event::JointEvent;
 pub use crate::joints::joint_load::JointLoad;
-pub use crate::joints::joint_solver::{JointSolver, UnknownJointSolver};
 pub use crate::joints::limits::{Cone, Limit, Limits};
 pub use crate::joints::locked_axes::LockedAxes;
 

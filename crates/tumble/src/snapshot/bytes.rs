@@ -7,7 +7,8 @@
 //! | 8, 8, 8 | how many moving, kinematic and fixed bodies |
 //! | 8 | 1 with a clock, 0 without; the clock's five fields are then zero |
 //! | 8, 8, 8, 8, 8 | steps; steps and time when the settings last changed; dt; frame time owed |
-//! | 8, 8, 8, 8, 8 | contacts: bodies that have any, with a `BodyId` and without; contacts; points; joints in passes |
+//! | 8, 8, 8, 8 | contacts: bodies that have any, with a `BodyId` and without; contacts; points |
+//! | 8 | how many joints in passes |
 //! | 8, 8 | how many breakable joints, with a `BodyId` and without |
 //! | 8 a body | identities: of moving, kinematic and fixed bodies, each in ascending order |
 //! | 7 numbers a body | position, orientation x y z w |
@@ -24,7 +25,7 @@
 //! | 1 a breakable joint | 1 if it is broken, 0 if not |
 //! | 8 | 64-bit FNV-1a of all before |
 //!
-//! (1) Bodies with such a load, with joints in passes, or that are still, are among those in contact.
+//! (1) Bodies with such a load, with joints in passes, or that are still, are among them.
 //!
 //! (2) Two bodies, as indices of those in contact; which of the contacts of the two; number of
 //! points, and 256 if the two touched before. Normal from the first to the second; impulse and
@@ -36,8 +37,8 @@
 //! (3) Which features meet; place, from the second body's centre of mass; separation; impulse along
 //! the normal.
 //!
-//! (4) Two bodies, as indices of those in contact; impulse, and angular impulses about the locked axes,
-//! of the last substep on the second. In the order of both bodies.
+//! (4) Two bodies, as indices of those in contact; impulse, and angular impulses about the locked
+//! axes, of the last substep on the second. In the order of both bodies.
 
 use crate::clock::Clock;
 use crate::components::BodyKind;
@@ -66,9 +67,9 @@ impl Snapshot {
 
     /// The snapshot as bytes for a file or a peer: 152 bytes and 60 a body in single precision, 112
     /// in double, with up to 168 or 304 a contact, 32 or 48 a body that has any, that joints
-    /// load or that is still, 32 or 56 a joint in passes, and 9 a breakable joint. Bodies are in the order of their
-    /// [`BodyId`]s, so the same state gives the same bytes, whatever the order they were spawned
-    /// in.
+    /// load or that is still, 32 or 56 a joint in passes, and 9 a breakable joint. Bodies are in
+    /// the order of their [`BodyId`]s, so the same state gives the same bytes, whatever the order
+    /// they were spawned in.
     ///
     /// With the cargo feature `serde` a snapshot is serialised as these bytes.
     ///

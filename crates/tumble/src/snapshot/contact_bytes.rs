@@ -4,12 +4,11 @@ use crate::collision::body_key::BodyKey;
 use crate::collision::saved_contacts::{SavedContact, SavedContacts, SavedPoint};
 use crate::collision::sleep::ASLEEP;
 use crate::components::BodyId;
+use crate::joints::held_impulses::{HeldImpulse, MAX_ROWS};
 use crate::math::Real;
 use crate::snapshot::bytes::{NUMBER, Reader};
 use crate::snapshot::error::ContactDefect;
 use crate::snapshot::error::SnapshotError;
-use crate::solver::joint_passes::held_impulses::HeldImpulse;
-use crate::solver::joint_passes::joint_sheet::MAX_ROWS;
 use crate::storage::body_index::Slot;
 
 /// How far from one the length of a normal may be.

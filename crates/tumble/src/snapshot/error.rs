@@ -111,8 +111,8 @@ pub enum SnapshotError {
         /// Which, counted from zero.
         body: usize,
     },
-    /// The impulses of a joint in passes are not finite, between bodies that are not there, or out of
-    /// order.
+    /// The impulses of a joint in passes are not finite, between bodies that are not there, or out
+    /// of order.
     #[error("joint {joint} of those in passes has impulses that no step leaves, or is out of order")]
     JointImpulse {
         /// Which, counted from zero.

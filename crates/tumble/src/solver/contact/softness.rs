@@ -26,7 +26,7 @@ pub(crate) struct Softness {
 const PERIODS: f64 = 1.0 / 8.0;
 /// Overdamped, so that bodies part without bouncing.
 const DAMPING_RATIO: f64 = 10.0;
-/// Of joints in passes: with more, or with stiffer ones, one pass makes energy in loops on long arms.
+/// Of joints in passes: with more, or stiffer ones, one pass makes energy in loops on long arms.
 const DAMPING_RATIO_OF_JOINTS: f64 = 1.0;
 
 impl Softness {

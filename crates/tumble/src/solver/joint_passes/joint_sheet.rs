@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use tumble_math::lane::Vec3;
 
+use crate::joints::held_impulses::RowImpulses;
 use crate::math::{Real, real};
 use crate::solver::joint_passes::joint_block::{BlockRotations, JointBlock};
 use crate::solver::joint_passes::pass_joints::JointBlocks;
@@ -21,12 +22,6 @@ impl<const R: usize, const M: usize> Default for JointSheet<R, M> {
         Self { blocks: Vec::new(), rotations: Vec::new() }
     }
 }
-
-/// The most rows of a joint.
-pub(crate) const MAX_ROWS: usize = 6;
-
-/// Impulses along the rows of a joint in a substep, zero beyond them \[N s\] [N m s].
-pub(crate) type RowImpulses = [Real; MAX_ROWS];
 
 impl<const R: usize, const M: usize> JointSheet<R, M> {
     pub(super) fn clear(&mut self) {

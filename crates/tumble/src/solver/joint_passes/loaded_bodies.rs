@@ -53,8 +53,8 @@ impl LoadedBodies {
         self.bodies.is_empty()
     }
 
-    /// Adds a mechanism with bodies in these rows, with the loads of the last substep. Whether it is
-    /// touched: then something else holds it.
+    /// Adds a mechanism with bodies in these rows and the loads of the last substep. What is
+    /// touched is held by something else.
     pub(crate) fn add_mechanism(
         &mut self,
         of_it: impl Iterator<Item = (SolverRow, Slot, f64)>,

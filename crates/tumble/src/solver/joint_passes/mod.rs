@@ -1,7 +1,6 @@
-//! Joints in passes: those of nets, whose matrix would fill up, one after the other as contacts are,
-//! in blocks of the same colors and with the same soft constraints.
+//! Joints in passes: those of nets, whose matrix would fill up, one after the other as contacts
+//! are, in blocks of the same colors and with the same soft constraints.
 
-pub(crate) mod held_impulses;
 pub(crate) mod joint_block;
 pub(crate) mod joint_sheet;
 pub(crate) mod loaded_bodies;

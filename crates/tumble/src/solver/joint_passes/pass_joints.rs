@@ -29,7 +29,7 @@ impl<const R: usize, const M: usize> JointBlocks<'_, R, M> {
     }
 }
 
-/// Turns what blocks have along the axes of their bodies into the world, of bodies with these poses.
+/// Turns what blocks have along the axes of bodies into the world, where these have such poses.
 pub(super) struct PrepareJoints<'a, const R: usize, const M: usize> {
     pub(super) blocks: JointBlocks<'a, R, M>,
     pub(super) bodies: StageBodies<'a>,

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use tumble_math::lane::{Quat, Vec3};
 
+use crate::joints::held_impulses::RowImpulses;
 use crate::math::Real;
 use crate::simd::{BLOCK, Kernel, Octet, RowColors, dispatch_in_blocks};
 use crate::solver::body_rows::{BodyPose, WarmStartImpulse};
@@ -11,7 +12,7 @@ use crate::solver::contact::softness::Softness;
 use crate::solver::contact::solve::StageBodies;
 use crate::solver::contact_work::ContactWorks;
 use crate::solver::graph_coloring::{ContactColor, GraphColoring};
-use crate::solver::joint_passes::joint_sheet::{JointSheet, RowImpulses};
+use crate::solver::joint_passes::joint_sheet::JointSheet;
 use crate::solver::joint_passes::loaded_bodies::LoadedBodies;
 use crate::solver::joint_passes::pass_joints::{JointBlocks, PassJoints, PrepareJoints};
 use crate::solver::mechanism::fours::row;

@@ -15,8 +15,8 @@ pub(crate) struct Elimination {
 
 impl Elimination {
     /// By minimum degree, ties by the lower number. Nodes are neighbours where they have one of
-    /// these groups in common; a node may be in several groups. `None` where it does not go on after
-    /// a node and those of its neighbours that are left.
+    /// these groups in common; a node may be in several groups. `None` where it does not go on
+    /// after a node and those of its neighbours that are left.
     pub(crate) fn by_minimum_degree(
         nodes: usize,
         groups: &[Vec<u32>],

@@ -165,7 +165,7 @@ impl Rigid {
     }
 }
 
-/// Gives bodies that fly free angular momentum, as a rotation of the whole about axes that are free.
+/// Gives bodies that fly free angular momentum, as a rotation of the whole about free axes.
 pub(crate) fn return_momentum(bodies: &mut [MechanismBody], momentum: Vec3<f64>, lock: AxisLock) {
     let mass: f64 = bodies.iter().map(MechanismBody::mass).sum();
     let moment = bodies.iter().fold(Vec3::zero(), |sum, body| sum + body.position() * body.mass());

@@ -1,9 +1,9 @@
 //! Which joints of a world are solved in passes, and what they are read from and written to.
 
-use crate::joints::joint_solver::JointSolver;
+use crate::joint_solver::JointSolver;
+use crate::joints::held_impulses::{HeldImpulse, HeldImpulses};
 use crate::math::double;
 use crate::solver::constrained_bodies::ConstrainedBodies;
-use crate::solver::joint_passes::held_impulses::{HeldImpulse, HeldImpulses};
 use crate::solver::joint_passes::pass_stages::{JointPasses, PassedJoint};
 use crate::solver::mechanism::joint_anchor::anchor;
 use crate::solver::mechanism::joint_rows::JointRows;

@@ -2,8 +2,13 @@
 
 use crate::joints::joint_list::ListedJoint;
 use crate::math::Real;
-use crate::solver::joint_passes::joint_sheet::RowImpulses;
 use crate::storage::body_index::Slot;
+
+/// The most rows of a joint.
+pub(crate) const MAX_ROWS: usize = 6;
+
+/// Impulses along the rows of a joint in a substep, zero beyond them \[N s\] [N m s].
+pub(crate) type RowImpulses = [Real; MAX_ROWS];
 
 /// By joint in passes, in the order of the list of joints, what it did in the last substep. It is
 /// state.
