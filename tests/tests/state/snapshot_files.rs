@@ -57,18 +57,18 @@ fn the_format_is_as_documented() {
     assert_eq!(bytes.len(), HEADER + 3 * 8 + (3 * 7 + 2 * 6) * NUMBER + 8);
     assert_eq!(&bytes[..8], b"TUMBLE-S");
     let word = |place: usize| u64::from_le_bytes(*bytes[place..].first_chunk().unwrap());
-    assert_eq!(word(8), 7 | (NUMBER as u64) << 32);
+    assert_eq!(word(8), 8 | (NUMBER as u64) << 32);
     assert_eq!([16, 24, 32].map(word), [1, 1, 1]);
     assert_eq!([40, 48, 56, 64].map(word), [1, 2, 0, 0]);
     assert_eq!(f64::from_bits(word(72)), 0.125);
-    // No contacts; those have a file of their own, `contact_snapshots.rs`.
-    assert_eq!([88, 96, 104, 112].map(word), [0; 4]);
+    // No contacts, of which `contact_snapshots.rs` is about, and no joints in passes.
+    assert_eq!([88, 96, 104, 112, 120].map(word), [0; 5]);
     // No breakable joints.
-    assert_eq!([120, 128].map(word), [0; 2]);
+    assert_eq!([128, 136].map(word), [0; 2]);
     assert_eq!([144, 152, 160].map(word), [13, 14, 15]);
     let first = BodyOrder::of(&world).entities()[0];
     let x = world.get::<&tumble::Pose>(first).unwrap().position.x;
-    assert_eq!(&bytes[160..160 + NUMBER], x.to_le_bytes());
+    assert_eq!(&bytes[168..168 + NUMBER], x.to_le_bytes());
     assert_eq!(forged(&bytes, 0, b"TUMBLE-S"), bytes);
 }
 
