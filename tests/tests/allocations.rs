@@ -21,7 +21,7 @@ use tumble::{
     Axes, BodyOrder, BodyState, Drive, Drives, ForceLaw, Gear, Integrator, Joint, Ledger, Material, RigidBody,
     Rollback, Settings, Shape, Simulation, Wrench,
 };
-use tumble_benches::{mixed_bodies, tumbling_boxes};
+use tumble_benches::{mixed_bodies, net, tumbling_boxes};
 use tumble_tests::{Draw, touching};
 
 #[global_allocator]
@@ -114,7 +114,7 @@ fn wake(pool: &ThreadPool) {
 
 fn count_steps(session: &Session) {
     type Scene = fn() -> World;
-    let scenes: [(&str, Scene); 15] = [
+    let scenes: [(&str, Scene); 16] = [
         ("empty", World::new),
         ("one", || tumbling_boxes(1)),
         ("boxes", || tumbling_boxes(20_000)),
@@ -128,6 +128,7 @@ fn count_steps(session: &Session) {
         ("asleep", pyramid),
         ("jointed", jointed_bodies),
         ("jointed and booked", jointed_bodies),
+        ("net in passes", || net(40)),
         ("standing", standing_robots),
         ("standing and booked", standing_robots),
     ];
