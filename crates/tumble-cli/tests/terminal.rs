@@ -3,7 +3,7 @@
 //!
 //! A name with an escape sequence can write the clipboard of who looks at the file. It would fail
 //! if one string of one format reached standard output or error on a way of its own: every string,
-//! key and word of sample files is made hostile in turn, and each file is given to every command
+//! key and word of sample files is made hostile by itself, and each file is given to every command
 //! that takes it.
 
 use std::path::Path;
@@ -149,7 +149,7 @@ fn names_and_keys_of_gltf() {
     let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tumble-scene/tests/gltf_scenes");
     for sample in ["everything.gltf", "omi.gltf"] {
         let document = serde_json::from_str(&std::fs::read_to_string(samples.join(sample)).unwrap()).unwrap();
-        // Each string in turn would be a minute: a copy with all strings, and every seventh of the
+        // Each string alone would be a minute: a copy with all strings, and every seventh of the
         // others.
         let copies = hostile_copies(&document);
         for (at, copy) in copies.iter().enumerate().filter(|(at, _)| at % 7 == 0 || at + 1 == copies.len()) {

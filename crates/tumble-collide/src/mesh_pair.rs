@@ -28,8 +28,8 @@ const OUTSIDE: f64 = 1e-3;
 /// Cosine of directions that are the same to a face and to an edge of it: within a thousandth of a
 /// radian.
 const SAME: f64 = 1.0 - 5e-7;
-/// A direction is turned out of the way of each side at a corner in turn, this number of times
-/// around.
+/// A direction is turned out of the way of one side at a corner after the other, this
+/// number of times around.
 const TURNS: usize = 4;
 /// Most triangles at a corner that are tested against what lies over it.
 const MAX_ASKED: usize = 64;

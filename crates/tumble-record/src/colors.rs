@@ -1,7 +1,7 @@
 //! The colours that bodies are drawn in.
 
 /// Colours that look different to most eyes, after Okabe and Ito, as red, green, blue in linear
-/// light, taken by dynamic bodies in turn. Their number has no factor in common with the
+/// light, taken by dynamic bodies cyclically. Their number has no factor in common with the
 /// kinds of a scene that repeats every two, four or eight.
 pub const BODY_COLORS: [[f32; 3]; 7] = [
     [0.791, 0.347, 0.0],

@@ -298,7 +298,7 @@ fn the_ellipse_turns_by_the_square_of_the_step() {
 }
 
 /// An ellipse of eccentricity 0.6 for a thousand periods of 500 steps: taken every 487 steps, so at
-/// all phases in turn, energy and angular momentum have no trend, and the ellipse keeps its size
+/// all phases, energy and angular momentum have no trend, and the ellipse keeps its size
 /// and shape. In single precision roundings walk, as far as `EPSILON` times the root of half a
 /// million steps.
 #[test]

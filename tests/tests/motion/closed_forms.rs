@@ -47,7 +47,7 @@ fn a_long_step_about_a_principal_axis_turns_by_its_angle() {
 }
 
 /// A symmetric top: it turns about its own axis as seen from a frame that precesses about the
-/// angular momentum at `L/I`. One long step, with the axis of symmetry along each axis in turn, and
+/// angular momentum at `L/I`. One long step, with the axis of symmetry along each of the axes, and
 /// moments that are no multiples of one.
 #[test]
 fn a_long_step_of_a_symmetric_top_is_its_precession() {

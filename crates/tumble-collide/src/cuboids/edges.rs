@@ -31,7 +31,7 @@ pub(super) fn widest_gap<L: Lane>(pair: &Pair<L>) -> (L, L) {
     (best, code)
 }
 
-/// The two axes after one, in turn.
+/// The two axes after one, in cyclic order.
 const fn others(axis: usize) -> [usize; 2] {
     [(axis + 1) % 3, (axis + 2) % 3]
 }

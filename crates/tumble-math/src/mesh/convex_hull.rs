@@ -125,7 +125,7 @@ impl<'a> Hull<'a> {
             most_work,
         };
         let [a, b, c, d] = corners;
-        // Each face's neighbours are across its edges in turn.
+        // Each face's neighbours are across its edges in their order.
         for (corners, neighbours) in
             [([a, b, c], [1, 2, 3]), ([b, a, d], [0, 3, 2]), ([c, b, d], [0, 1, 3]), ([a, c, d], [0, 2, 1])]
         {

@@ -49,7 +49,7 @@ fn settings() -> VehicleSettings {
     VehiclePlan::car(4.5, 1500.0).settings().unwrap()
 }
 
-/// Each number in turn, each kind of nonsense: it is named, or it is one that can be driven with.
+/// Each number alone, each kind of nonsense: it is named, or it is one that can be driven with.
 #[test]
 fn what_cannot_be_is_named_and_all_else_can_be_driven() {
     for (name, field) in FIELDS {

@@ -58,3 +58,25 @@ impl GraphColoring {
         }
     }
 }
+
+/// Sorts things into buckets: `bucket` has that of each place. Returns where each bucket ends.
+pub(crate) fn sort_into_buckets<T: Copy, const N: usize>(
+    unsorted: &[T],
+    bucket: impl Fn(usize) -> usize,
+    sorted: &mut Vec<T>,
+) -> [usize; N] {
+    let mut ends = [0; N];
+    (0..unsorted.len()).for_each(|place| ends[bucket(place)] += 1);
+    let mut sum = 0;
+    for end in &mut ends {
+        (*end, sum) = (sum, sum + *end);
+    }
+    sorted.clear();
+    sorted.extend_from_slice(unsorted);
+    for (place, it) in unsorted.iter().enumerate() {
+        let next = &mut ends[bucket(place)];
+        sorted[*next] = *it;
+        *next += 1;
+    }
+    ends
+}

@@ -1,5 +1,6 @@
 //! The solver: bodies that interact are advanced in substeps under their contacts.
 
+pub(crate) mod block_parts;
 pub(crate) mod body_rows;
 pub(crate) mod constrained_bodies;
 pub(crate) mod contact;

@@ -6,7 +6,8 @@ use crate::collision::contact::ContactRecord;
 use crate::collision::contact_materials::Extras;
 use crate::math::{Real, real};
 use crate::simd::block_lanes::Lanes;
-use crate::simd::{BLOCK, Kernel, RowColors, dispatch_in_blocks};
+use crate::simd::{BLOCK, RowColors, dispatch_in_blocks};
+use crate::solver::block_parts::{in_parts, run};
 use crate::solver::body_rows::{BodyPose, DeltaPose};
 use crate::solver::contact::constraint::{Belt, Block, Bounce, Rolling};
 use crate::solver::contact::follow_bodies::Follow;
@@ -19,11 +20,10 @@ use crate::solver::contact::solve::{Blocks, Solve, StageBodies};
 use crate::solver::contact::store_impulses::StoreImpulses;
 use crate::solver::direct::direct_contact::DirectContact;
 use crate::solver::direct::direct_lanes;
-use crate::solver::graph_coloring::{ContactColor, GraphColoring};
+use crate::solver::graph_coloring::{ContactColor, GraphColoring, sort_into_buckets};
 use crate::solver::locked_bodies::{BlockLocks, LockedBodies};
 use crate::solver::solver_bodies::SolverBodies;
 use crate::solver::substeps::GroupContact;
-use crate::threads;
 
 /// The contacts of a step, colored and laid out in blocks.
 #[derive(Clone, Default)]
@@ -112,9 +112,6 @@ pub(crate) enum SolverStage<'a> {
 /// Colors of each kind, and one more for contacts without a color.
 const COLORS: usize = ContactColor::OVERFLOW as usize + 1;
 
-/// Fewer blocks are not shared among threads.
-const MIN_PART: usize = 16;
-
 impl ContactConstraints {
     /// Lays out the contacts of a group, with room for extras.
     pub(crate) fn lay_out(
@@ -177,20 +174,7 @@ impl ContactConstraints {
             (usize::from(has_non_dynamic) * COLORS + place) * 2
                 + usize::from(overflows || all[contacts[index].number as usize].count() > 1)
         };
-        let mut ends = [0; 4 * COLORS];
-        (0..contacts.len()).for_each(|index| ends[kind(index)] += 1);
-        let mut sum = 0;
-        for end in &mut ends {
-            (*end, sum) = (sum, sum + *end);
-        }
-        self.order.clear();
-        self.order.extend_from_slice(contacts);
-        for (index, contact) in contacts.iter().enumerate() {
-            let place = &mut ends[kind(index)];
-            self.order[*place] = *contact;
-            *place += 1;
-        }
-        ends
+        sort_into_buckets(contacts, kind, &mut self.order)
     }
 
     /// Runs a stage on all contacts, color by color; those with non-dynamic bodies come last.
@@ -206,8 +190,8 @@ impl ContactConstraints {
                 delta_pose,
             };
             let (of_ones, of_fours) = bodies.split_at(color.ones.len());
-            stage.in_parts(ones.blocks(&color.ones), of_ones);
-            stage.in_parts(fours.blocks(&color.fours), of_fours);
+            in_parts(ones.blocks(&color.ones), of_ones, &|blocks, bodies| stage.run_on(blocks, bodies));
+            in_parts(fours.blocks(&color.fours), of_fours, &|blocks, bodies| stage.run_on(blocks, bodies));
         }
     }
 
@@ -352,36 +336,6 @@ impl SolverStage<'_> {
         Self::Solve { softness, h, impact_speed }
     }
 
-    /// Shares the blocks of a color among the threads.
-    fn in_parts<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: StageBodies<'_>) {
-        if blocks.len() == 0 {
-            return;
-        }
-        if blocks.len() <= MIN_PART || !threads::are_shared() {
-            return self.run_on::<P, C>(blocks, bodies);
-        }
-        let part = blocks.len().div_ceil(rayon::current_num_threads()).max(MIN_PART);
-        self.in_parts_of::<P, C>(part, blocks, bodies);
-    }
-
-    fn in_parts_of<const P: usize, const C: usize>(
-        self,
-        part: usize,
-        blocks: Blocks<'_, P, C>,
-        bodies: StageBodies<'_>,
-    ) {
-        if blocks.len() <= part {
-            return self.run_on::<P, C>(blocks, bodies);
-        }
-        let middle = blocks.len() / 2;
-        let (first, second) = blocks.split_at(middle);
-        let (of_first, of_second) = bodies.split_at(middle);
-        threads::join(
-            || self.in_parts_of::<P, C>(part, first, of_first),
-            || self.in_parts_of::<P, C>(part, second, of_second),
-        );
-    }
-
     fn run_on<const P: usize, const C: usize>(self, blocks: Blocks<'_, P, C>, bodies: StageBodies<'_>) {
         match self {
             Self::Prepare(contacts, poses) => run(Prepare::<P, C> { blocks, contacts, bodies, poses }),
@@ -413,8 +367,4 @@ impl SolverStage<'_> {
             Self::ApplyRestitution(threshold) => run(ApplyRestitution::<P, C> { blocks, bodies, threshold }),
         }
     }
-}
-
-fn run(mut kernel: impl Kernel) {
-    dispatch_in_blocks(&mut kernel);
 }

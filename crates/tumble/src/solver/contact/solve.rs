@@ -6,6 +6,7 @@ use crate::collision::contact::UpdateRule;
 use crate::math::Real;
 use crate::simd::block_lanes::{Lanes, at, put, vector_at};
 use crate::simd::{BLOCK, Kernel, Rows, Tile};
+use crate::solver::block_parts::ColorBlocks;
 use crate::solver::body_rows::{BodyMotion, DeltaPose, WarmStartImpulse, WorldInverseInertia};
 use crate::solver::contact::constraint::{Belt, Block, Bounce, Rolling};
 use crate::solver::contact::contact_frame::{
@@ -31,14 +32,12 @@ pub(crate) struct Blocks<'a, const P: usize, const C: usize> {
     pub(crate) lags: &'a mut [[Lanes; 3]],
 }
 
-impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
-    /// How many.
-    pub(crate) fn len(&self) -> usize {
+impl<const P: usize, const C: usize> ColorBlocks for Blocks<'_, P, C> {
+    fn count(&self) -> usize {
         self.blocks.len()
     }
 
-    /// The first `middle`, and the others.
-    pub(crate) fn split_at(self, middle: usize) -> (Self, Self) {
+    fn parted(self, middle: usize) -> (Self, Self) {
         let of_some = |count: usize| if count == 0 { 0 } else { middle };
         let (blocks, other_blocks) = self.blocks.split_at_mut(middle);
         let (rolling, other_rolling) = self.rolling.split_at_mut(of_some(self.rolling.len()));
@@ -56,7 +55,9 @@ impl<'a, const P: usize, const C: usize> Blocks<'a, P, C> {
         };
         (Self { blocks, rolling, bounces, belts, locks, lags }, others)
     }
+}
 
+impl<const P: usize, const C: usize> Blocks<'_, P, C> {
     /// What friction takes out, as a velocity of the second body relative to the first, where that
     /// differs by a lag.
     #[inline(always)]

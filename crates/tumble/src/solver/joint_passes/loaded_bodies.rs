@@ -49,10 +49,6 @@ impl LoadedBodies {
         self.mechanisms.clear();
     }
 
-    pub(super) fn is_empty(&self) -> bool {
-        self.bodies.is_empty()
-    }
-
     /// Adds a mechanism with bodies in these rows and the loads of the last substep. What is
     /// touched is held by something else.
     pub(crate) fn add_mechanism(
@@ -78,9 +74,12 @@ impl LoadedBodies {
         self.mechanisms.push(LoadedMechanism { end: self.bodies.len(), is_free, dropped: Vec3::zero() });
     }
 
-    /// The load of each body that has one.
+    /// The load of each body that has one; none where numbers have overflowed.
     pub(crate) fn loads(&self) -> impl Iterator<Item = (Slot, f64)> + '_ {
-        self.bodies.iter().filter(|body| body.load > 0.0).map(|body| (body.slot, f64::from(body.load)))
+        self.bodies
+            .iter()
+            .filter(|body| body.load > 0.0 && body.load.is_finite())
+            .map(|body| (body.slot, f64::from(body.load)))
     }
 
     /// To be called before the first substep: gives bodies the inertia of the last, at the velocity

@@ -4,6 +4,7 @@ use tumble_math::lane::{Quat, Vec3};
 
 use crate::simd::block_lanes::{Lanes, at, put, put_vector, vector_at};
 use crate::simd::{BLOCK, Kernel, Tile, gather};
+use crate::solver::block_parts::ColorBlocks;
 use crate::solver::body_rows::{BodyPose, WarmStartImpulse};
 use crate::solver::contact::contact_frame::{BodyLanes, DeltaPoses, InverseInertias};
 use crate::solver::contact::softness::Softness;
@@ -19,9 +20,12 @@ pub(super) struct JointBlocks<'a, const R: usize, const M: usize> {
     pub(super) rotations: &'a mut [BlockRotations],
 }
 
-impl<const R: usize, const M: usize> JointBlocks<'_, R, M> {
-    /// The first `middle`, and the others.
-    pub(super) fn split_at(self, middle: usize) -> (Self, Self) {
+impl<const R: usize, const M: usize> ColorBlocks for JointBlocks<'_, R, M> {
+    fn count(&self) -> usize {
+        self.blocks.len()
+    }
+
+    fn parted(self, middle: usize) -> (Self, Self) {
         let (blocks, other_blocks) = self.blocks.split_at_mut(middle);
         let (rotations, other_rotations) =
             self.rotations.split_at_mut(if self.rotations.is_empty() { 0 } else { middle });
@@ -162,25 +166,29 @@ impl StageBodies<'_> {
         arms: [Vec3<T>; 2],
         (index, lane): (usize, usize),
     ) {
-        let strength = linear.dot(linear).sqrt();
         if !self.motion.has_non_dynamic() {
             let before = self.warm_start.gather::<T>(index, 0, lane);
-            let after = WarmStartImpulse {
-                linear: before.linear - linear,
-                angular: before.angular - (arms[0].cross(linear) + angular),
-                pull: before.pull + strength * arms[0].dot(arms[0]).sqrt(),
-                ..before
-            };
-            self.warm_start.scatter(after, index, 0, lane);
+            let minus = T::splat(-1.0);
+            self.warm_start.scatter(pushed(before, linear * minus, angular * minus, arms[0]), index, 0, lane);
         }
         let before = self.warm_start.gather::<T>(index, 1, lane);
-        let after = WarmStartImpulse {
-            linear: before.linear + linear,
-            angular: before.angular + (arms[1].cross(linear) + angular),
-            pull: before.pull + strength * arms[1].dot(arms[1]).sqrt(),
-            ..before
-        };
-        self.warm_start.scatter(after, index, 1, lane);
+        self.warm_start.scatter(pushed(before, linear, angular, arms[1]), index, 1, lane);
+    }
+}
+
+/// The impulses of a body with one more of them, at this arm.
+#[inline(always)]
+fn pushed<T: Tile>(
+    before: WarmStartImpulse<T>,
+    linear: Vec3<T>,
+    angular: Vec3<T>,
+    arm: Vec3<T>,
+) -> WarmStartImpulse<T> {
+    WarmStartImpulse {
+        linear: before.linear + linear,
+        angular: before.angular + (arm.cross(linear) + angular),
+        pull: before.pull + linear.dot(linear).sqrt() * arm.dot(arm).sqrt(),
+        ..before
     }
 }
 

@@ -6,12 +6,13 @@ use tumble_math::lane::{Quat, Vec3};
 
 use crate::joints::held_impulses::RowImpulses;
 use crate::math::Real;
-use crate::simd::{BLOCK, Kernel, Octet, RowColors, dispatch_in_blocks};
+use crate::simd::{BLOCK, Octet, RowColors};
+use crate::solver::block_parts::{in_parts, run};
 use crate::solver::body_rows::{BodyPose, WarmStartImpulse};
 use crate::solver::contact::softness::Softness;
 use crate::solver::contact::solve::StageBodies;
 use crate::solver::contact_work::ContactWorks;
-use crate::solver::graph_coloring::{ContactColor, GraphColoring};
+use crate::solver::graph_coloring::{ContactColor, GraphColoring, sort_into_buckets};
 use crate::solver::joint_passes::joint_sheet::JointSheet;
 use crate::solver::joint_passes::loaded_bodies::LoadedBodies;
 use crate::solver::joint_passes::pass_joints::{JointBlocks, PassJoints, PrepareJoints};
@@ -19,7 +20,6 @@ use crate::solver::mechanism::fours::row;
 use crate::solver::mechanism::joint_rows::Anchor;
 use crate::solver::mechanism::rotations::Rotations;
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
-use crate::threads;
 
 /// The joints of a group of bodies that are solved in passes.
 #[derive(Clone, Default)]
@@ -28,7 +28,8 @@ pub(crate) struct JointPasses {
     joints: Vec<PassedJoint>,
     pub(crate) bodies: LoadedBodies,
     coloring: GraphColoring,
-    /// Joints by color and kind.
+    /// Joints, and the same by color and kind.
+    numbers: Vec<u32>,
     order: Vec<u32>,
     /// By joint, its block among those of its kind, and its lane there.
     places: Vec<(usize, usize)>,
@@ -77,8 +78,6 @@ const KINDS: usize = 3;
 /// Colors of joints between dynamic bodies, and as many of those on others, and one more of each
 /// for joints without a color.
 const COLORS: usize = 2 * (ContactColor::OVERFLOW as usize + 1);
-/// Fewer blocks are not shared among threads.
-const MIN_PART: usize = 16;
 
 impl PassedJoint {
     /// Of bodies in these rows, of which one is dynamic, with these rotations locked, and the
@@ -178,7 +177,7 @@ impl JointPasses {
 
     /// To be called after the last substep: bodies have their own inertia again.
     pub(crate) fn finish(&mut self, bodies: &mut SolverBodies, works: &mut ContactWorks) {
-        if !self.bodies.is_empty() {
+        if !self.is_empty() {
             works.before_joints(bodies);
             self.bodies.finish(bodies);
             works.after_joints(bodies);
@@ -202,26 +201,16 @@ impl JointPasses {
 
     /// Lays out the joints: by color, those between dynamic bodies first; in each color by kind.
     fn lay_out(&mut self, bodies: &SolverBodies) {
-        let Self { joints, coloring, order, places, balls, hinges, welds, colors, row_colors, .. } = self;
+        let Self { joints, coloring, numbers, order, places, balls, hinges, welds, colors, row_colors, .. } = self;
         coloring.color(joints.iter().map(|joint| joint.rows), bodies.first_non_dynamic());
         let color = |number: u32| {
             let ContactColor { has_non_dynamic, index } = coloring.colors()[number as usize];
             usize::from(has_non_dynamic) * COLORS / 2 + index as usize
         };
-        let bucket = |number: u32| color(number) * KINDS + joints[number as usize].kind as usize;
-        let mut ends = [0; COLORS * KINDS];
-        (0..joints.len() as u32).for_each(|number| ends[bucket(number)] += 1);
-        let mut sum = 0;
-        for end in &mut ends {
-            (*end, sum) = (sum, sum + *end);
-        }
-        order.clear();
-        order.resize(joints.len(), 0);
-        for number in 0..joints.len() as u32 {
-            let place = &mut ends[bucket(number)];
-            order[*place] = number;
-            *place += 1;
-        }
+        let bucket = |number: usize| color(number as u32) * KINDS + joints[number].kind as usize;
+        numbers.clear();
+        numbers.extend(0..joints.len() as u32);
+        sort_into_buckets::<_, { COLORS * KINDS }>(numbers, bucket, order);
         places.clear();
         places.resize(joints.len(), (0, 0));
         balls.clear();
@@ -268,9 +257,9 @@ impl JointPasses {
             };
             let (of_balls, others) = bodies.split_at(color.balls.len());
             let (of_hinges, of_welds) = others.split_at(color.hinges.len());
-            stage.in_parts(balls.blocks(&color.balls), of_balls);
-            stage.in_parts(hinges.blocks(&color.hinges), of_hinges);
-            stage.in_parts(welds.blocks(&color.welds), of_welds);
+            in_parts(balls.blocks(&color.balls), of_balls, &|blocks, bodies| stage.run_on(blocks, bodies));
+            in_parts(hinges.blocks(&color.hinges), of_hinges, &|blocks, bodies| stage.run_on(blocks, bodies));
+            in_parts(welds.blocks(&color.welds), of_welds, &|blocks, bodies| stage.run_on(blocks, bodies));
         }
     }
 }
@@ -300,17 +289,6 @@ enum JointStage<'a> {
 }
 
 impl JointStage<'_> {
-    /// Shares the blocks of a color among the threads.
-    fn in_parts<const R: usize, const M: usize>(self, blocks: JointBlocks<'_, R, M>, bodies: StageBodies<'_>) {
-        let count = blocks.blocks.len();
-        if count <= MIN_PART || !threads::are_shared() {
-            return self.run_on(blocks, bodies);
-        }
-        let middle = count / 2;
-        let ((first, second), (of_first, of_second)) = (blocks.split_at(middle), bodies.split_at(middle));
-        threads::join(|| self.in_parts(first, of_first), || self.in_parts(second, of_second));
-    }
-
     fn run_on<const R: usize, const M: usize>(self, blocks: JointBlocks<'_, R, M>, bodies: StageBodies<'_>) {
         match self {
             Self::Prepare(poses) => run(PrepareJoints { blocks, bodies, poses }),
@@ -320,11 +298,5 @@ impl JointStage<'_> {
             }
             Self::Relax => run(PassJoints { blocks, bodies, softness: None }),
         }
-    }
-}
-
-fn run(mut kernel: impl Kernel) {
-    if kernel.len() > 0 {
-        dispatch_in_blocks(&mut kernel);
     }
 }
