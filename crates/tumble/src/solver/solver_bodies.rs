@@ -129,6 +129,17 @@ impl SolverBodies {
         self.pose[row.index()].center
     }
 
+    /// The mass of a dynamic body \[kg\].
+    pub(crate) fn mass(&self, row: SolverRow) -> f64 {
+        1.0 / f64::from(self.motion[row.index()].inverse_mass)
+    }
+
+    /// The radius of gyration of a dynamic body about the axis where it is least \[m\].
+    pub(crate) fn least_radius(&self, row: SolverRow) -> f64 {
+        let Vec3 { x, y, z } = self.inertia[row.index()].moments;
+        (f64::from(x.min(y).min(z)) / self.mass(row)).sqrt()
+    }
+
     /// Whether a body is dynamic.
     pub(crate) fn is_dynamic(&self, row: SolverRow) -> bool {
         row.index() < self.first_non_dynamic()

@@ -132,7 +132,8 @@ impl Solver {
         }
         if mechanisms.are_touched() {
             // Worlds with joints are solved by themselves: their contacts are all that there are.
-            mechanisms.take_direct((records, bodies), (all, rounds), direct, joints);
+            let h = inputs.0.contact_substep();
+            mechanisms.take_direct((records, bodies, h), (all, rounds), direct, joints);
         }
         next_rows
     }

@@ -4,9 +4,12 @@
 //! theirs: an impulse that a light body of it takes from a heavy free one, or through a light one
 //! to the ground, is answered by all of them. The most loaded come first, as far as a budget goes.
 //! A mechanism with more rows than that on the ground, or with more on other mechanisms than on the
-//! ground, is in a heap: all its contacts are in passes. So are those of two of its own bodies:
-//! where joints keep what overlaps from parting, the impulses that would part it have no bound, and
-//! in passes they are those of the two bodies alone.
+//! ground, is in a heap: all its contacts are in passes. So are those of one that lies on many rows
+//! under loads that passes carry. So are those of two of its own bodies: where joints keep what
+//! overlaps from parting, the impulses that would part it have no bound, and in passes they are
+//! those of the two bodies alone.
+
+use std::ops::Range;
 
 use crate::collision::contact::ContactRecord;
 use crate::math::Real;
@@ -17,6 +20,11 @@ use crate::solver::substeps::GroupContact;
 
 /// The most rows of a mechanism's direct contacts: their problem is dense.
 const MAX_ROWS: usize = 64;
+/// As few rows are direct whatever they carry.
+const FEW_ROWS: usize = 24;
+/// How far the load of a body that lies presses it in passes, at most, of its least radius of
+/// gyration.
+const MAX_SAG: f64 = 0.1;
 
 /// To which mechanism a body belongs: by its joints, with its number there, or because it has
 /// joined.
@@ -54,6 +62,8 @@ pub(crate) struct Candidates<'a> {
     pub(crate) records: &'a [ContactRecord],
     pub(crate) contacts: &'a [GroupContact],
     pub(crate) bodies: &'a SolverBodies,
+    /// The substep \[s\].
+    pub(crate) h: f64,
 }
 
 impl<'a> Candidates<'a> {
@@ -144,7 +154,9 @@ impl DirectChoice {
         self.waiting.clear();
         self.chosen.clear();
         bodies.iter().filter(|body| body.is_moved()).for_each(|body| self.wait_for(body.row));
-        if self.is_in_heap(of, mechanism) {
+        self.waiting.sort_unstable();
+        self.waiting.dedup();
+        if self.is_in_heap(of, mechanism) || self.lies(of, mechanism, bodies) {
             return;
         }
         let mut left = MAX_ROWS;
@@ -172,9 +184,7 @@ impl DirectChoice {
     }
 
     /// Whether a mechanism has more rows on the ground than the budget, or more on others.
-    fn is_in_heap(&mut self, of: Candidates<'_>, mechanism: u32) -> bool {
-        self.waiting.sort_unstable();
-        self.waiting.dedup();
+    fn is_in_heap(&self, of: Candidates<'_>, mechanism: u32) -> bool {
         let (mut direct, mut others) = (0, 0);
         for place in &self.waiting {
             match self.lacks(of, *place, mechanism) {
@@ -186,6 +196,40 @@ impl DirectChoice {
         direct > MAX_ROWS || others > direct
     }
 
+    /// Whether a mechanism lies on many rows, in which passes let none of its bodies sink by much.
+    fn lies(&self, of: Candidates<'_>, mechanism: u32, bodies: &[MechanismBody]) -> bool {
+        let mut rows = 0;
+        for place in &self.waiting {
+            match self.lacks(of, *place, mechanism) {
+                Lack::Nothing => rows += of.rows(*place),
+                Lack::Body(row) if self.sinks(of, row) => return false,
+                Lack::Body(_) | Lack::Other => {}
+            }
+        }
+        if rows <= FEW_ROWS {
+            return false;
+        }
+        let (mut carrying, mut hanging) = (0.0, 0.0);
+        for body in bodies.iter().filter(|body| body.is_moved()) {
+            if self.sinks(of, body.row) {
+                return false;
+            }
+            *if self.load_on(of, body.row) > 0.0 { &mut carrying } else { &mut hanging } += body.mass();
+        }
+        carrying >= hanging
+    }
+
+    /// Whether the load of a body would press it in noticeably, in passes.
+    fn sinks(&self, of: Candidates<'_>, row: SolverRow) -> bool {
+        let sag = self.load_on(of, row) * of.h / of.bodies.mass(row);
+        sag > MAX_SAG * of.bodies.least_radius(row)
+    }
+
+    /// What the contacts of a body carry \[N s\].
+    fn load_on(&self, of: Candidates<'_>, row: SolverRow) -> f64 {
+        self.contacts_of[self.places(row)].iter().map(|place| f64::from(of.load(*place))).sum()
+    }
+
     fn is_between_mechanisms(&self, of: Candidates<'_>, place: u32) -> bool {
         let [first, second] = of.contacts[place as usize].rows.map(|row| self.owner(row).map(|it| it.mechanism));
         first.is_some() && second.is_some() && first != second
@@ -193,8 +237,12 @@ impl DirectChoice {
 
     /// Has the contacts of a body wait.
     fn wait_for(&mut self, row: SolverRow) {
-        let [begin, end] = [0, 1].map(|next| self.begins[row.index() + next] as usize);
-        self.waiting.extend_from_slice(&self.contacts_of[begin..end]);
+        self.waiting.extend_from_slice(&self.contacts_of[self.places(row)]);
+    }
+
+    /// Where the contacts of a body are.
+    fn places(&self, row: SolverRow) -> Range<usize> {
+        self.begins[row.index()] as usize..self.begins[row.index() + 1] as usize
     }
 
     /// Chooses a contact if there is room for its rows.

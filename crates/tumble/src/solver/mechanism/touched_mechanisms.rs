@@ -23,16 +23,16 @@ const ROUNDINGS: f64 = 4.0;
 
 impl Mechanisms {
     /// Takes the contacts that are solved with the joints of touched mechanisms out of those of a
-    /// group.
+    /// group, in substeps of `h` \[s\].
     pub(crate) fn take_direct(
         &mut self,
-        (records, bodies): (&[ContactRecord], &SolverBodies),
+        (records, bodies, h): (&[ContactRecord], &SolverBodies, Real),
         (contacts, rounds): (&mut Vec<GroupContact>, &mut Vec<RoundConstraint>),
         direct: &mut DirectGroup,
         passes: &JointPasses,
     ) {
         let Self { mechanisms, choice, .. } = self;
-        let of = Candidates { records, contacts, bodies };
+        let of = Candidates { records, contacts, bodies, h: f64::from(h) };
         choice.begin(of);
         choice.own_passed(passes.rows().filter(|row| bodies.is_dynamic(*row)));
         for (number, it) in (0..).zip(&*mechanisms).filter(|(_, it)| it.is_touched) {
