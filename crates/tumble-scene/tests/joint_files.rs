@@ -7,7 +7,9 @@
 use hecs::World;
 use proptest::prelude::*;
 use tumble::math::Real;
-use tumble::{Axes, Breakable, Cone, Drive, Drives, Gain, Joint, JointFriction, JointSolver, Limit, Limits};
+use tumble::{
+    Axes, Breakable, Cone, Drive, Drives, Gain, Joint, JointFriction, JointSolver, Limit, Limits, Oscillation,
+};
 use tumble_scene::{Audit, Scene};
 
 use crate::axes::AXES;
@@ -166,6 +168,8 @@ struct DriveCase {
     velocity: Option<f64>,
     max_force: Option<f64>,
     gain: GainCase,
+    /// Amplitude, frequency and phase.
+    oscillation: Option<[f64; 3]>,
 }
 
 impl DriveCase {
@@ -176,6 +180,10 @@ impl DriveCase {
             velocity: self.velocity.map_or(0.0, real),
             gain: self.gain.gain,
             max_force: self.max_force.map_or(Real::INFINITY, real),
+            oscillation: self.oscillation.map(|numbers| {
+                let [amplitude, hertz, phase] = numbers.map(real);
+                Oscillation { amplitude, hertz, phase }
+            }),
         }
     }
 
@@ -186,6 +194,11 @@ impl DriveCase {
             fields.extend(value.map(|value| (name, format!("{value:?}"))));
         }
         fields.extend(self.gain.write(format));
+        fields.extend(self.oscillation.map(|numbers| {
+            let named = ["amplitude", "frequency", "phase"].into_iter().zip(numbers);
+            let named: Vec<_> = named.map(|(name, number)| (name, format!("{number:?}"))).collect();
+            ("oscillation", format.object(&named))
+        }));
         format.object(&fields)
     }
 }
@@ -209,13 +222,17 @@ fn axes_of(free: &'static [usize]) -> impl Strategy<Value = Vec<usize>> {
 fn drive(free: &'static [usize]) -> impl Strategy<Value = DriveCase> {
     let numbers =
         (prop::option::of(number(-3.0..3.0)), prop::option::of(number(-9.0..9.0)), prop::option::of(number(0.0..99.0)));
-    (axes_of(free), numbers, gain()).prop_map(|(axes, (mut position, velocity, max_force), gain)| {
-        if gain.fields.iter().any(|(name, _)| matches!(*name, "stiffness" | "frequency")) {
-            position = position.or(Some(0.5));
-        }
-        let velocity = velocity.filter(|_| position.is_none() || gain.gain != Gain::Rigid);
-        DriveCase { axes, position, velocity, max_force, gain }
-    })
+    let oscillation = prop::option::of(prop::array::uniform3(number(-3.0..3.0)));
+    (axes_of(free), numbers, gain(), oscillation).prop_map(
+        |(axes, (mut position, velocity, max_force), gain, oscillation)| {
+            if gain.fields.iter().any(|(name, _)| matches!(*name, "stiffness" | "frequency")) {
+                position = position.or(Some(0.5));
+            }
+            let velocity = velocity.filter(|_| position.is_none() || gain.gain != Gain::Rigid);
+            let oscillation = oscillation.filter(|_| position.is_some());
+            DriveCase { axes, position, velocity, max_force, gain, oscillation }
+        },
+    )
 }
 
 fn case() -> impl Strategy<Value = Case> {

@@ -26,6 +26,7 @@ mod named_files;
 mod never_panics;
 mod precision;
 mod robot_joints;
+mod robots;
 mod spinning_scenes;
 mod stress_scene;
 mod urdf;

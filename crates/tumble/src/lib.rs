@@ -160,6 +160,7 @@ pub use joints::joint_event::JointEvent;
 pub use joints::joint_load::JointLoad;
 pub use joints::limits::{Limit, Limits};
 pub use joints::locked_axes::LockedAxes;
+pub use joints::oscillation::Oscillation;
 pub use queries::hits::RayHit;
 pub use queries::query_filter::QueryFilter;
 pub use queries::ray::Ray;

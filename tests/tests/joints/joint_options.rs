@@ -11,7 +11,7 @@ use hecs::{Entity, World};
 use tumble::math::{Quat, Real};
 use tumble::{
     Axes, Breakable, Collider, Cone, Drive, Drives, Gain, Gear, Joint, JointFriction, JointLoad, Limit, Limits,
-    Material, Momentum, Pose, Shape,
+    Material, Momentum, Oscillation, Pose, Shape,
 };
 use tumble_tests::touching::ground;
 use tumble_tests::{Draw, EPSILON, by_precision};
@@ -188,7 +188,8 @@ fn senseless_numbers_leave_bodies_finite() {
             let axes = Axes::LINEAR | Axes::ANGULAR;
             let drive = |gain: Gain, odd: &mut dyn FnMut() -> Real| {
                 let position = Some(odd()).filter(|position| *position != 0.0);
-                Drive { axes, position, velocity: odd(), gain, max_force: odd() }
+                let oscillation = Some(Oscillation { amplitude: odd(), hertz: odd(), phase: odd() });
+                Drive { axes, position, velocity: odd(), gain, max_force: odd(), oscillation }
             };
             let drives = Drives(gains[2..5].iter().map(|gain| drive(*gain, &mut odd)).collect());
             let friction = JointFriction { max: [0; 6].map(|_| odd()) };

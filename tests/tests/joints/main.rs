@@ -14,6 +14,7 @@ mod joint_long_runs;
 mod joint_loops;
 mod joint_misfits;
 mod joint_options;
+mod joint_oscillations;
 mod joint_passes;
 mod joint_potentials;
 mod joint_references;

@@ -210,6 +210,7 @@ impl Reading {
             velocity: real(drive.velocity_target.unwrap_or(0.0)),
             gain,
             max_force: drive.max_force.map_or(tumble::math::Real::INFINITY, real),
+            oscillation: None,
         }))
     }
 }

@@ -152,6 +152,7 @@ pub struct AuditedLimit {
 ///     velocity: 0.0,
 ///     gain,
 ///     max_force: None,
+///     oscillation: None,
 /// };
 /// assert!(damper.position.is_none());
 /// ```
@@ -170,6 +171,9 @@ pub struct AuditedDrive {
     /// The greatest force \[N\] or torque [N m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_force: Option<f64>,
+    /// How the position goes to and fro: amplitude \[m\] \[rad\], frequency \[Hz\] and phase \[rad\].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub oscillation: Option<[f64; 3]>,
 }
 
 /// How hard a limit or a drive pulls.
@@ -334,6 +338,7 @@ impl AuditedDrive {
             velocity: double(drive.velocity),
             gain: AuditedGain::of(drive.gain),
             max_force: Some(double(drive.max_force)).filter(|max| max.is_finite()),
+            oscillation: drive.oscillation.map(|it| [it.amplitude, it.hertz, it.phase].map(double)),
         }
     }
 }

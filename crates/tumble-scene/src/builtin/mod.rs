@@ -13,7 +13,7 @@ use crate::model::scene_model::SceneModel;
 pub(crate) const STRESS: &str = "stress";
 
 /// Scenes, each with the source of its figures in the file.
-const FILES: [(&str, &str); 22] = [
+const FILES: [(&str, &str); 23] = [
     ("arm", include_str!("../../scenes/arm.json")),
     ("clockwork", include_str!("../../scenes/clockwork.json")),
     ("crane", include_str!("../../scenes/crane.json")),
@@ -34,6 +34,7 @@ const FILES: [(&str, &str); 22] = [
     ("solar-system", include_str!("../../scenes/solar-system.json")),
     ("t-handle", include_str!("../../scenes/t-handle.json")),
     ("van-zon-top", include_str!("../../scenes/van-zon-top.json")),
+    ("walker", include_str!("../../scenes/walker.json")),
     ("weighted-sphere", include_str!("../../scenes/weighted-sphere.json")),
     ("windy-day", include_str!("../../scenes/windy-day.json")),
 ];
@@ -112,7 +113,7 @@ mod tests {
         let names: Vec<_> = builtin_names().collect();
         let known = "arm bowling clockwork cradle crane dominoes drake-cylinder drum firing-range foucault gimbals heavy-chain \
                      hills iss mujoco-box pile pyramid raft ragdoll ragdolls robot rope-bridge satellite skater solar-system spheres \
-                     stress t-handle van-zon-top wall weighted-sphere windy-day";
+                     stress t-handle van-zon-top walker wall weighted-sphere windy-day";
         assert_eq!(names.join(" "), known);
     }
 }

@@ -3,12 +3,13 @@
 use std::f64::consts::{PI, TAU};
 
 use tumble::math::Real;
-use tumble::{Axes, Breakable, Cone, Drive, Drives, Gain, JointFriction, Limit, Limits};
+use tumble::{Axes, Breakable, Cone, Drive, Drives, Gain, JointFriction, Limit, Limits, Oscillation};
 use tumble_import::checked::{positive, real};
 use tumble_import::{FieldError, shortest};
 
 use crate::model::joint_options_model::{
     AxisModel, BreakModel, ConeModel, DriveModel, FrictionModel, GainModel, LimitModel, LimitsModel, ModeModel,
+    OscillationModel,
 };
 use crate::values::axes::named_axes;
 use crate::values::checked::{not_negative, number};
@@ -212,7 +213,24 @@ fn drive(model: &DriveModel, free: Axes) -> Result<Drive, FieldError> {
     };
     let position = model.position.map(|position| number("position", position).map(real)).transpose()?;
     let velocity = real(number("velocity", model.velocity.unwrap_or(0.0))?);
-    Ok(Drive { axes, position, velocity, gain, max_force })
+    let oscillation = model.oscillation.as_ref().map(oscillation).transpose();
+    let oscillation = oscillation.map_err(|error| error.inside("oscillation"))?;
+    if oscillation.is_some() && position.is_none() {
+        return Err(FieldError::new("oscillation", "does nothing without a position"));
+    }
+    Ok(Drive { axes, position, velocity, gain, max_force, oscillation })
+}
+
+fn oscillation(model: &OscillationModel) -> Result<Oscillation, FieldError> {
+    let needed = |field: &'static str, value: Option<f64>| {
+        let value = value.ok_or_else(|| FieldError::new(field, "is missing"))?;
+        number(field, value).map(real)
+    };
+    Ok(Oscillation {
+        amplitude: needed("amplitude", model.amplitude)?,
+        hertz: needed("frequency", model.frequency)?,
+        phase: real(number("phase", model.phase.unwrap_or(0.0))?),
+    })
 }
 
 /// As it stands in files.

@@ -52,7 +52,7 @@ const OF_A_BODY: &str = "mass, density, gravity_scale, position.I, orientation.I
      angular_velocity.I, center_of_mass.I, inertia.principal.I, inertia.axes.I, inertia.tensor.I.J, shape.FIELD, collider.FIELD and forces.I.FIELD";
 
 const OF_A_JOINT: &str = "KIND.at.I, KIND.to.I, KIND.axis.I, limits.AXIS.BOUND, limits.cone.half_angles.I, \
-     drives.I.FIELD, friction.AXIS, break.force and break.torque, of glTF and URDF also position";
+     drives.I.FIELD, drives.I.oscillation.FIELD, friction.AXIS, break.force and break.torque, of glTF and URDF also position";
 
 impl FieldPath {
     /// Finds the body or joint that the path names. Whether it has the field is found out by

@@ -2,7 +2,9 @@
 
 use crate::fields::field_path::{component, element};
 use crate::model::joint_model::{JointModel, JointPlaceModel};
-use crate::model::joint_options_model::{BreakModel, DriveModel, FrictionModel, GainModel, LimitModel, LimitsModel};
+use crate::model::joint_options_model::{
+    BreakModel, DriveModel, FrictionModel, GainModel, LimitModel, LimitsModel, OscillationModel,
+};
 use crate::values::axes;
 
 /// The number that a path such as `["drives", "0", "stiffness"]` leads to, if the joint has it.
@@ -14,6 +16,9 @@ pub(crate) fn in_joint<'a>(joint: &'a mut JointModel, path: &[&str]) -> Option<&
         ["position"] => joint.position.as_mut(),
         ["limits", rest @ ..] => in_limits(joint.limits.as_deref_mut()?, rest),
         ["drives", index, field] => in_drive(element(&mut joint.drives, index)?, field),
+        ["drives", index, "oscillation", field] => {
+            in_oscillation(element(&mut joint.drives, index)?.oscillation.as_mut()?, field)
+        }
         ["friction", axis] => in_friction(joint.friction.get_or_insert_default(), axis),
         ["break", field] => in_break(joint.breaks.get_or_insert_default(), field),
         [kind, rest @ ..] => in_place(place(joint, kind)?, rest),
@@ -92,6 +97,17 @@ fn in_drive<'a>(drive: &'a mut DriveModel, field: &str) -> Option<&'a mut f64> {
     Some(number.get_or_insert(0.0))
 }
 
+fn in_oscillation<'a>(oscillation: &'a mut OscillationModel, field: &str) -> Option<&'a mut f64> {
+    let OscillationModel { amplitude, frequency, phase } = oscillation;
+    let number = match field {
+        "amplitude" => amplitude,
+        "frequency" => frequency,
+        "phase" => phase,
+        _ => return None,
+    };
+    Some(number.get_or_insert(0.0))
+}
+
 fn in_gain<'a>(gain: &'a mut GainModel, field: &str) -> Option<&'a mut f64> {
     let GainModel { stiffness, damping, frequency, damping_ratio, mode: _ } = gain;
     Some(of_gain([stiffness, damping, frequency, damping_ratio], field)?.get_or_insert(0.0))
@@ -122,11 +138,13 @@ mod tests {
     const JOINTS: [(&str, &str); 5] = [
         (
             r#"{ "hinge": { "at": [0, 0, 0], "axis": [0, 0, 1] }, "limits": { "angular_x": [-1, 1] }, "drives": [
-                { "axes": ["angular_x"] }, { "axes": ["angular_x"], "position": 1, "stiffness": 2, "damping": 3 } ] }"#,
+                { "axes": ["angular_x"] }, { "axes": ["angular_x"], "position": 1, "stiffness": 2, "damping": 3,
+                  "oscillation": { "amplitude": 1, "frequency": 2 } } ] }"#,
             "hinge.at.0 hinge.at.2 hinge.axis.1 limits.angular_x.min limits.angular_x.max limits.angular_x.stiffness \
              limits.angular_x.damping limits.angular_x.frequency limits.angular_x.damping_ratio drives.0.position \
              drives.0.velocity drives.0.max_force drives.1.position drives.1.stiffness drives.1.damping \
-             drives.1.frequency drives.1.damping_ratio friction.angular_x friction.angular_y friction.angular_z \
+             drives.1.frequency drives.1.damping_ratio drives.1.oscillation.amplitude \
+             drives.1.oscillation.frequency drives.1.oscillation.phase friction.angular_x friction.angular_y friction.angular_z \
              break.force break.torque",
         ),
         (

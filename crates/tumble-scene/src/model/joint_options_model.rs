@@ -71,6 +71,16 @@ pub(crate) struct DriveModel {
     pub(crate) frequency: Option<f64>,
     pub(crate) damping_ratio: Option<f64>,
     pub(crate) mode: Option<ModeModel>,
+    pub(crate) oscillation: Option<OscillationModel>,
+}
+
+/// How the position of a drive goes to and fro.
+#[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
+#[serde(deny_unknown_fields, rename = "Oscillation", expecting = "an oscillation with named fields")]
+pub(crate) struct OscillationModel {
+    pub(crate) amplitude: Option<f64>,
+    pub(crate) frequency: Option<f64>,
+    pub(crate) phase: Option<f64>,
 }
 
 impl DriveModel {

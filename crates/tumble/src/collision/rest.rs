@@ -73,10 +73,11 @@ impl CollisionPipeline {
         self.sleepers.take_contacts(&mut self.contacts.records);
     }
 
-    /// Disturbs what has joints that are not as they were.
+    /// Disturbs what has joints that are not as they were, or that a drive moves to and fro.
     fn notice_joints(&mut self, joints: &JointList) {
         let Self { sleepers, joint_marks, body_index, .. } = self;
         joint_marks.update(joints, |body| sleepers.disturbed.extend(body_index.slot(body.id())));
+        sleepers.disturbed.extend(joints.oscillating().flatten());
     }
 
     /// Disturbs bodies that are locked otherwise than in the last step.

@@ -2,6 +2,7 @@
 
 use crate::joints::axes::Axes;
 use crate::joints::gain::Gain;
+use crate::joints::oscillation::Oscillation;
 use crate::math::Real;
 
 /// The motors, servos and springs of a joint: a component of the entity of a
@@ -62,12 +63,14 @@ pub struct Drive {
     pub gain: Gain,
     /// The greatest force \[N\] or torque [N m]; infinite if there is none.
     pub max_force: Real,
+    /// How the position goes to and fro, if it does. Without a position it does nothing.
+    pub oscillation: Option<Oscillation>,
 }
 
 impl Drive {
     /// Keeps a velocity \[m/s\] \[rad/s\]: a motor.
     pub const fn velocity(axes: Axes, velocity: Real) -> Self {
-        Self { axes, position: None, velocity, gain: Gain::Rigid, max_force: Real::INFINITY }
+        Self { axes, position: None, velocity, gain: Gain::Rigid, max_force: Real::INFINITY, oscillation: None }
     }
 
     /// Goes to a position \[m\] \[rad\] and stays there: a servo.
@@ -99,11 +102,35 @@ impl Drive {
         Self { max_force, ..self }
     }
 
+    /// The same with a position that goes to and fro, as a joint of a gait does.
+    #[must_use]
+    pub const fn with_oscillation(self, oscillation: Oscillation) -> Self {
+        Self { oscillation: Some(oscillation), ..self }
+    }
+
+    /// Whether its target moves by itself.
+    pub(crate) fn oscillates(&self) -> bool {
+        self.position.is_some() && self.oscillation.is_some()
+    }
+
+    /// Where to at a time \[s\], if anywhere, and how fast.
+    pub(crate) fn target(&self, time: f64) -> (Option<f64>, f64) {
+        let (position, velocity) = (self.position.map(f64::from), f64::from(self.velocity));
+        match (position, self.oscillation) {
+            (Some(position), Some(oscillation)) => {
+                let [way, speed] = oscillation.at(time);
+                (Some(position + way), velocity + speed)
+            }
+            _ => (position, velocity),
+        }
+    }
+
     /// Whether its numbers can be reckoned with.
     pub(crate) fn is_in_range(&self) -> bool {
         self.gain.is_in_range()
             && self.max_force >= 0.0
             && self.velocity.is_finite()
             && self.position.is_none_or(Real::is_finite)
+            && self.oscillation.is_none_or(|it| it.is_in_range())
     }
 }

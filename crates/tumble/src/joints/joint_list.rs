@@ -6,6 +6,7 @@ use hecs::{Archetype, Entity, World};
 
 use crate::event_log::EventLog;
 use crate::joints::breakable::Breakable;
+use crate::joints::drives::Drive;
 use crate::joints::gear::Gear;
 use crate::joints::ignore_contacts::IgnoreContacts;
 use crate::joints::joint::Joint;
@@ -254,6 +255,14 @@ impl JointList {
     /// Limits, drives and friction of a joint, if it has any.
     pub(crate) fn options(&self, joint: &ListedJoint) -> Option<&JointOptions> {
         joint.options.map(|number| &self.options[number as usize])
+    }
+
+    /// The bodies of those that a drive moves to and fro.
+    pub(crate) fn oscillating(&self) -> impl Iterator<Item = [Slot; 2]> + '_ {
+        let oscillates = |joint: &&ListedJoint| {
+            self.options(joint).is_some_and(|options| options.drives.iter().any(Drive::oscillates))
+        };
+        self.joints.iter().filter(oscillates).map(|joint| joint.slots)
     }
 
     /// The bodies of each.

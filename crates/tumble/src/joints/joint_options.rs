@@ -58,7 +58,10 @@ impl JointOptions {
         let of_drives = self.drives.iter().flat_map(|drive| {
             let [kind, stiffness, damping] = numbers_of(drive.gain);
             let position = drive.position.unwrap_or(Real::NAN);
-            [Real::from(drive.axes.bits()), position, drive.velocity, kind, stiffness, damping, drive.max_force]
+            let [amplitude, hertz, phase] =
+                drive.oscillation.map_or([Real::NAN; 3], |it| [it.amplitude, it.hertz, it.phase]);
+            let target = [Real::from(drive.axes.bits()), position, drive.velocity, amplitude, hertz, phase];
+            target.into_iter().chain([kind, stiffness, damping, drive.max_force])
         });
         let all = of_limits.chain([a, b, kind, c, d]).chain(self.friction.max).chain(of_drives);
         all.map(|number| u64::from(number.to_bits()))

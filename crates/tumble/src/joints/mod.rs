@@ -18,6 +18,7 @@ pub(crate) mod joint_marks;
 pub(crate) mod joint_options;
 pub(crate) mod limits;
 pub(crate) mod locked_axes;
+pub(crate) mod oscillation;
 
 pub use crate::joint_solver::{JointSolver, UnknownJointSolver};
 pub use crate::joints::axes::Axes;
@@ -33,6 +34,7 @@ pub use crate::joints::joint_event::JointEvent;
 pub use crate::joints::joint_load::JointLoad;
 pub use crate::joints::limits::{Cone, Limit, Limits};
 pub use crate::joints::locked_axes::LockedAxes;
+pub use crate::joints::oscillation::Oscillation;
 
 use hecs::World;
 

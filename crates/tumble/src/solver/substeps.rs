@@ -110,7 +110,9 @@ impl Solver {
         let Constraints { bodies: constrained, contacts, mechanisms } = constraints;
         let (constrained, first) = (&**constrained, all.len() as u32);
         let passes = (inputs.0.joint_solver, &mut *joints);
-        mechanisms.gather((constrained, contacts), body_index, columns, bodies, passes);
+        let (settings, _, begin) = inputs;
+        let middle = begin + 0.5 * f64::from(settings.substep());
+        mechanisms.gather((constrained, contacts), body_index, columns, bodies, passes, middle);
         if constrained.jointed_locks().next().is_some() {
             mechanisms.lock(constrained, bodies);
         }

@@ -10,7 +10,7 @@ use crate::convert::joint_options::{drives, friction, limits};
 use crate::fields::file_scene::Frame;
 use crate::model::joint_model::JointModel;
 use crate::model::joint_options_model::{
-    AxisModel, ConeModel, DriveModel, FrictionModel, GainModel, LimitModel, LimitsModel, ModeModel,
+    AxisModel, ConeModel, DriveModel, FrictionModel, GainModel, LimitModel, LimitsModel, ModeModel, OscillationModel,
 };
 use crate::values::checked::double;
 use crate::values::tuple::Tuple;
@@ -100,6 +100,11 @@ fn drive_model(drive: &Drive) -> DriveModel {
         frequency,
         damping_ratio,
         mode,
+        oscillation: drive.oscillation.filter(|_| goes_somewhere).map(|it| OscillationModel {
+            amplitude: Some(double(it.amplitude)),
+            frequency: Some(double(it.hertz)),
+            phase: Some(double(it.phase)),
+        }),
     }
 }
 

@@ -136,8 +136,8 @@ impl FreeRow {
     }
 
     /// Adds a drive, of which the position is this far from where values count from.
-    pub(crate) fn add_drive(&mut self, drive: &Drive, position: Option<f64>) {
-        let (velocity, max_force) = (f64::from(drive.velocity), f64::from(drive.max_force));
+    pub(crate) fn add_drive(&mut self, drive: &Drive, position: Option<f64>, velocity: f64) {
+        let max_force = f64::from(drive.max_force);
         if drive.gain != Gain::Rigid {
             self.springs.push(RowSpring::new(drive.gain, Side::Both, (position, velocity), max_force));
         } else if self.motor.is_none() {

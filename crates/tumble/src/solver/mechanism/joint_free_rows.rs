@@ -19,11 +19,12 @@ pub(super) fn has_distance(free_rows: &[FreeRow]) -> bool {
 }
 
 impl JointRows {
-    /// Takes over what acts along its free axes, which are as many as when it was made.
-    pub(crate) fn take_options(&mut self, options: &JointOptions) {
+    /// Takes over what acts along its free axes, which are as many as when it was made, in a step
+    /// of which this time \[s\] is the middle.
+    pub(crate) fn take_options(&mut self, options: &JointOptions, time: f64) {
         let place = |axis: usize| {
             let drives = options.drives.iter().filter(move |drive| drive.axes.has(axis));
-            drives.clone().find_map(|drive| drive.position).map_or(0.0, f64::from)
+            drives.clone().find_map(|drive| drive.target(time).0).unwrap_or(0.0)
         };
         let is_ball = self.free.contains(Axes::ANGULAR);
         let of_reference = if is_ball { [place(3), place(4), place(5)] } else { [0.0; 3] };
@@ -58,7 +59,8 @@ impl JointRows {
             }
             row.add_friction(options.friction.max[number].into());
             for drive in options.drives.iter().filter(|drive| drive.axes.has(number)) {
-                row.add_drive(drive, drive.position.map(|position| f64::from(position) - origin));
+                let (position, velocity) = drive.target(time);
+                row.add_drive(drive, position.map(|position| position - origin), velocity);
             }
         }
     }

@@ -39,6 +39,8 @@ pub(crate) fn joint_potential(world: &World) -> f64 {
             }
             if let Some(stance) = stance(joint, &poses) {
                 options.take_row(archetype, row, joint.free);
+                // What moves to and fro does work at any place.
+                options.drives.retain(|drive| !drive.oscillates());
                 energies.push(energy(joint, &options, &stance));
             }
         }
@@ -68,7 +70,7 @@ fn stance(joint: &Joint, poses: &View<'_, &Pose>) -> Option<Stance> {
 
 fn energy(joint: &Joint, options: &JointOptions, stance: &Stance) -> f64 {
     let mut rows = JointRows::new([0, 1], [Anchor::CENTER; 2], joint.free, Some(options));
-    rows.take_options(options);
+    rows.take_options(options, 0.0);
     let value = |row: &FreeRow| row.axis.direction(stance, joint.free, rows.reference).value;
     let of_row = |row: &FreeRow| row.potential(value(row));
     rows.free_rows.iter().map(of_row).sum()

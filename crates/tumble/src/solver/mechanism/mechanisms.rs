@@ -133,8 +133,8 @@ impl Mechanisms {
     }
 
     /// Finds the mechanisms of the joints whose bodies are in range: gathered into rows, of which
-    /// they read the state. Which of them are touched follows from the contacts. Joints in passes
-    /// are added to these.
+    /// they read the state, and their drives in the middle of the step \[s\]. Which of them are
+    /// touched follows from the contacts. Joints in passes are added to these.
     pub(crate) fn gather(
         &mut self,
         (constrained, contacts): (&ConstrainedBodies, &ContactSet),
@@ -142,6 +142,7 @@ impl Mechanisms {
         columns: &WorldColumns<'_>,
         bodies: &SolverBodies,
         (solver, passes): (JointSolver, &mut JointPasses),
+        middle: f64,
     ) {
         if self.list.is_empty() {
             self.loads.clear();
@@ -189,7 +190,7 @@ impl Mechanisms {
         }
         self.note_touched((constrained, contacts), bodies);
         self.add_passed(constrained, body_index, columns, bodies, passes);
-        self.read(constrained, body_index, columns, bodies);
+        self.read(constrained, body_index, columns, bodies, middle);
     }
 
     /// Notes on which bodies contacts act.
@@ -224,6 +225,7 @@ impl Mechanisms {
         body_index: &BodyIndex,
         columns: &WorldColumns<'_>,
         bodies: &SolverBodies,
+        middle: f64,
     ) {
         let Self { list, loads, mechanisms, active, is_touched, gears, .. } = self;
         for mechanism in mechanisms {
@@ -247,7 +249,7 @@ impl Mechanisms {
                 let Some(number) = active.get(*number as usize) else { continue };
                 let listed = &list.joints[*number as usize];
                 rows.anchors = [0, 1].map(|end| anchor(listed, end, body_index, columns));
-                list.options(listed).into_iter().for_each(|options| rows.take_options(options));
+                list.options(listed).into_iter().for_each(|options| rows.take_options(options, middle));
             }
         }
         // Bodies without joints have none; those that sleep keep what they fell asleep with.
