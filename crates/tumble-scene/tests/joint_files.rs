@@ -4,7 +4,6 @@
 //! Why: a limit that is read as that of another axis, or a drive without its greatest force, would
 //! show only as a mechanism that moves wrongly. A field that does nothing is as bad as a wrong one.
 
-use hecs::World;
 use proptest::prelude::*;
 use tumble::math::Real;
 use tumble::{
@@ -13,6 +12,7 @@ use tumble::{
 use tumble_scene::{Audit, Scene};
 
 use crate::axes::AXES;
+use crate::written_joints::Format;
 
 /// The kinds with the numbers of their free axes.
 const KINDS: [(&str, &[usize]); 8] = [
@@ -25,58 +25,6 @@ const KINDS: [(&str, &[usize]); 8] = [
     ("fixed", &[]),
     ("free", &[0, 1, 2, 3, 4, 5]),
 ];
-
-/// How a list of named values is written.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Format {
-    Json,
-    Ron,
-}
-
-impl Format {
-    fn object(self, fields: &[(&str, String)]) -> String {
-        let field = |(name, value): &(&str, String)| match self {
-            Self::Json => format!("\"{name}\": {value}"),
-            Self::Ron => format!("{name}: {value}"),
-        };
-        let fields: Vec<_> = fields.iter().map(field).collect();
-        let [open, close] = if self == Self::Json { ["{", "}"] } else { ["(", ")"] };
-        format!("{open} {} {close}", fields.join(", "))
-    }
-
-    fn word(self, word: &str) -> String {
-        if self == Self::Json { format!("\"{word}\"") } else { word.to_owned() }
-    }
-
-    fn list(self, values: &[String]) -> String {
-        let [open, close] = if self == Self::Json { ["[", "]"] } else { ["(", ")"] };
-        format!("{open}{}{close}", values.join(", "))
-    }
-
-    fn scene(self, joint: &str) -> String {
-        let body = |name: &str| {
-            let radius = self.object(&[("radius", "0.1".to_owned())]);
-            let shape = match self {
-                Self::Json => self.object(&[("sphere", radius)]),
-                Self::Ron => format!("sphere{radius}"),
-            };
-            self.object(&[("name", format!("\"{name}\"")), ("shape", shape), ("mass", "1".to_owned())])
-        };
-        let bodies = format!("[{}, {}]", body("a"), body("b"));
-        self.object(&[("bodies", bodies), ("joints", format!("[{joint}]"))])
-    }
-
-    fn open(self, joint: &str) -> Result<World, String> {
-        let text = self.scene(joint);
-        let scene = match self {
-            Self::Json => Scene::from_json(&text, "scene.x"),
-            Self::Ron => Scene::from_ron(&text, "scene.x"),
-        };
-        let mut world = World::new();
-        scene.and_then(|scene| scene.spawn(&mut world)).map_err(|error| error.to_string())?;
-        Ok(world)
-    }
-}
 
 /// A number that both precisions have to the bit.
 fn number(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {

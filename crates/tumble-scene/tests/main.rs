@@ -30,3 +30,4 @@ mod robots;
 mod spinning_scenes;
 mod stress_scene;
 mod urdf;
+mod written_joints;

@@ -12,8 +12,8 @@ use glam::{DQuat, DVec3};
 use hecs::Entity;
 use tumble::math::Real;
 use tumble::{
-    Axes, Collider, ContactEvent, Drive, Drives, Joint, JointFriction, Limit, Limits, Mass, Material, Momentum, Pose,
-    RigidBody, Shape, Velocity,
+    Axes, Collider, ContactEvent, Drive, Drives, Joint, Limit, Limits, Mass, Material, Momentum, Pose, RigidBody,
+    Shape, Velocity,
 };
 use tumble_tests::references::real_quat;
 use tumble_tests::touching::{collider, ground, surfaced};
@@ -23,14 +23,14 @@ use tumble_tests::{Draw, cases, dvec3, quat};
 const EPSILON: f64 = Real::EPSILON as f64;
 
 /// A box of half extents with a collider.
-fn cuboid(rig: &mut Rig, half: DVec3, mass: f64, at: DVec3, turn: DQuat, material: Material) -> Entity {
+pub(crate) fn cuboid(rig: &mut Rig, half: DVec3, mass: f64, at: DVec3, turn: DQuat, material: Material) -> Entity {
     let shape = Shape::cuboid(half.to_array());
     let body = RigidBody::new(shape.clone()).mass(mass).position(real(at)).orientation(real_quat(turn));
     body.build().unwrap().spawn_with(&mut rig.world, (surfaced(collider(&shape), material),))
 }
 
 /// The lowest corner of a box \[m\].
-fn lowest(rig: &Rig, body: Entity, half: DVec3) -> f64 {
+pub(crate) fn lowest(rig: &Rig, body: Entity, half: DVec3) -> f64 {
     let turn = rig.orientation(body);
     let reach = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| (turn * axis).y.abs()).into();
     rig.position(body).y - DVec3::dot(reach, half)
@@ -323,7 +323,7 @@ fn a_jointed_ball_bounces_as_high_as_its_restitution_has_it() {
 }
 
 /// Of all bodies \[N\].
-fn weight(rig: &Rig) -> f64 {
+pub(crate) fn weight(rig: &Rig) -> f64 {
     rig.world.query::<&Mass>().iter().map(|mass| f64::from(mass.kilograms()) * G).sum()
 }
 
@@ -401,58 +401,6 @@ fn what_falls_gains_nothing_and_stays_above_ground() {
     }
     assert!(worst_gain < 1e-2, "{worst_gain:e}");
     assert!(worst_depth < 0.05, "{worst_depth:e}");
-}
-
-/// Figures of a trunk and limbs on balls with cones and friction, which lie on many contacts in the
-/// end: they come to rest, and no body sinks in.
-#[test]
-fn figures_lie_still() {
-    let (all, mut restless) = (cases(20), 0);
-    for case in 0..u64::from(all) {
-        let mut draw = Draw::new(0xd9, case);
-        let size = draw.log_between(0.02, 10.0);
-        // A free fall in a substep goes a thousandth of the size at most.
-        let least = (1.0 / 60.0 / (1e-3 * size / G).sqrt()).ceil() as u32;
-        let mut rig = Rig::new(down(), 1.0 / 60.0, least + draw.between(0.0, 8.0) as u32);
-        let material = Material::new(draw.between(0.3, 0.8) as Real, 0.0);
-        ground(&mut rig.world, material, quat(DQuat::IDENTITY));
-        let bodies = figure(&mut rig, &mut draw, size, material);
-        let weight = weight(&rig) * size;
-        rig.run_to(6.0 * size.sqrt().max(0.3));
-        let (moving, mut deepest) = (rig.totals().kinetic() / weight, 0.0_f64);
-        for (body, half) in &bodies {
-            deepest = deepest.max(-lowest(&rig, *body, *half) / half.min_element());
-        }
-        println!("case {case}: moving {moving:e}, deepest {deepest:e}, {size} m");
-        // In passes a load presses a body in by a tenth of its radius of gyration at most.
-        assert!(deepest < 0.1, "case {case}: {deepest:e}");
-        restless += u32::from(moving > 1e-7);
-    }
-    assert!(restless <= all.div_ceil(10), "{restless} of {all}");
-}
-
-/// A trunk with four limbs of two parts, of masses up to three times apart, above the ground.
-fn figure(rig: &mut Rig, draw: &mut Draw, size: f64, material: Material) -> Vec<(Entity, DVec3)> {
-    let turn = draw.orientation();
-    let mut mass = |volume: f64| 1e3 * volume * size.powi(3) * draw.log_between(0.6, 1.7);
-    let friction = JointFriction::along(Axes::ANGULAR, (3e-3 * size.powi(4) * G) as Real);
-    let at = DVec3::Y * size * 1.5;
-    let half = DVec3::new(0.3, 0.15, 0.1) * size;
-    let trunk = cuboid(rig, half, mass(0.036), at, turn, material);
-    let mut bodies = vec![(trunk, half)];
-    for (x, z) in [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)] {
-        let half = DVec3::new(0.15, 0.05, 0.05) * size;
-        let (mut before, mut end) = (trunk, at + turn * DVec3::new(0.3 * x, 0.0, 0.05 * z) * size);
-        for _ in 0..2 {
-            let along = turn * DVec3::X * x * half.x;
-            let body = cuboid(rig, half, mass(0.003), end + along, turn, material);
-            let joint = rig.join_at(Joint::ball(before, body), end, along.normalize());
-            rig.world.insert(joint, (Limits::cone(0.8), friction)).unwrap();
-            bodies.push((body, half));
-            (before, end) = (body, end + 2.0 * along);
-        }
-    }
-    bodies
 }
 
 /// Chains that fall on each other: which of them are in passes changes from step to step.

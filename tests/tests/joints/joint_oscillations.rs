@@ -14,7 +14,7 @@ use hecs::{Entity, World};
 use tumble::math::Real;
 use tumble::{
     Axes, Batch, BodyId, BodyOrder, Drive, Drives, Joint, JointLoad, Oscillation, Settings, SettingsError, Simulation,
-    Sleep, Snapshot, Trial, state_hash,
+    Sleep, Trial, state_hash,
 };
 use tumble_tests::{Draw, cases};
 

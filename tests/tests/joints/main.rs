@@ -27,5 +27,6 @@ mod jointed;
 mod joints;
 mod joints_with_contacts;
 mod locked_joints;
+mod lying_figures;
 #[path = "../shared/mechanisms/mod.rs"]
 mod mechanisms;

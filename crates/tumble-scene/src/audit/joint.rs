@@ -171,7 +171,8 @@ pub struct AuditedDrive {
     /// The greatest force \[N\] or torque [N m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_force: Option<f64>,
-    /// How the position goes to and fro: amplitude \[m\] \[rad\], frequency \[Hz\] and phase \[rad\].
+    /// How the position goes to and fro: amplitude \[m\] \[rad\], frequency \[Hz\] and phase
+    /// \[rad\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub oscillation: Option<[f64; 3]>,
 }

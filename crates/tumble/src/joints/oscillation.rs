@@ -6,14 +6,15 @@ use crate::math::Real;
 
 /// A sine that is added to the position of a [`Drive`](crate::Drive): the target is
 /// `position + amplitude sin(2 pi hertz t + phase)` at the time `t` of the
-/// [simulation](crate::Simulation::time), constant over each step, as it is in its middle. Its speed
-/// is added to the drive's velocity.
+/// [simulation](crate::Simulation::time), constant over each step, as it is in its middle. Its
+/// speed is added to the drive's velocity.
 ///
 /// ```
 /// use tumble::{Axes, Drive, Oscillation};
 ///
 /// let gait = Oscillation { amplitude: 0.3, hertz: 2.0, phase: 0.0 };
-/// let hip = Drive::position(Axes::ANGULAR_X, 0.1).with_stiffness(200.0, 5.0).with_oscillation(gait);
+/// let hip = Drive::position(Axes::ANGULAR_X, 0.1).with_stiffness(200.0, 5.0);
+/// let hip = hip.with_oscillation(gait);
 /// assert_eq!(hip.oscillation, Some(gait));
 /// ```
 #[doc(alias("sine", "gait", "wave"))]
