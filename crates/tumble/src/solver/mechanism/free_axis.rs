@@ -36,6 +36,8 @@ pub(crate) struct Direction {
 const MIN_FALL: f64 = 0.2;
 /// The same below which there is no way out of a cone.
 const MIN_FALL_IN_CONE: f64 = 1e-4;
+/// Steps to the nearest point of an ellipse, at most; two or three are usual.
+const MAX_STEPS_TO_NEAREST: u32 = 40;
 
 /// The rows that a joint with these options has along its free axes, in order: by kind and axis.
 pub(crate) fn free_axes(options: &JointOptions, free: Axes) -> impl Iterator<Item = FreeAxis> + '_ {
@@ -218,7 +220,7 @@ fn out_of_ellipse(point: [f64; 2], half_axes: [f64; 2]) -> (f64, [f64; 2]) {
     let is_out = scaled[0] * scaled[0] + scaled[1] * scaled[1] > 1.0;
     let nearest = if y > 1e-9 * minor {
         let ratio = (major / minor) * (major / minor);
-        let s = parameter_of_nearest(ratio, scaled, is_out);
+        let s = parameter_of_nearest(ratio, scaled);
         [ratio * x / (s + ratio), y / (s + 1.0)]
     } else if major * x < major * major - minor * minor {
         let along = x * major / (major * major - minor * minor);
@@ -236,19 +238,22 @@ fn out_of_ellipse(point: [f64; 2], half_axes: [f64; 2]) -> (f64, [f64; 2]) {
     (if is_out { distance } else { -distance }, out)
 }
 
-/// The root of `(ratio z_0 / (s + ratio))^2 + (z_1 / (s + 1))^2 = 1`, by bisection.
-fn parameter_of_nearest(ratio: f64, z: [f64; 2], is_out: bool) -> f64 {
+/// The root of `(ratio z_0 / (s + ratio))^2 + (z_1 / (s + 1))^2 = 1`, by Newton's method: it falls
+/// and is convex, so steps from below end at the root without going past it.
+fn parameter_of_nearest(ratio: f64, z: [f64; 2]) -> f64 {
     let n = ratio * z[0];
-    let (mut low, mut high) = (z[1] - 1.0, if is_out { (n * n + z[1] * z[1]).sqrt() - 1.0 } else { 0.0 });
-    for _ in 0..80 {
-        let s = 0.5 * (low + high);
-        if s == low || s == high {
+    // At each of these one term is one.
+    let mut s = (z[1] - 1.0).max(n - ratio);
+    for _ in 0..MAX_STEPS_TO_NEAREST {
+        let [a, b] = [n / (s + ratio), z[1] / (s + 1.0)];
+        let step = 0.5 * (a * a + b * b - 1.0) / (a * a / (s + ratio) + b * b / (s + 1.0));
+        if s + step > s {
+            s += step;
+        } else {
             break;
         }
-        let [a, b] = [n / (s + ratio), z[1] / (s + 1.0)];
-        if a * a + b * b > 1.0 { low = s } else { high = s }
     }
-    0.5 * (low + high)
+    s
 }
 
 /// `tan(angle / 2)` of an angle between 0 and pi.
