@@ -239,7 +239,7 @@ fn what_passes_does_not_matter() {
 fn the_bits_are_pinned() {
     let [plain, all] = match PRECISION {
         "f32" => [0x689e_aabd_770c_caf5_u64, 0xdddf_2f5f_0c9b_a70e],
-        _ => [0x9e7c_357e_82ad_4620, 0xf3c5_26cd_fe3e_6b3b],
+        _ => [0x9e7c_357e_82ad_4620, 0xb963_93c3_2880_00d7],
     };
     let passes = if PRECISION == "f32" { 0x0d76_6628_1429_d6a5_u64 } else { 0xf9db_4750_572c_f4ba };
     println!("\nran on {}", simd_name());

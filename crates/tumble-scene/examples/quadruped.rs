@@ -74,9 +74,11 @@ impl Robot {
         Ok((Self { torso: body("torso").ok_or("the robot has no torso")?, servos }, simulation))
     }
 
-    /// Gives the servos their targets for a step that begins at a time, of some length \[s\]: where
-    /// these are in its middle, and how fast they move.
-    pub(crate) fn drive(&self, world: &mut World, time: f64, dt: f64) -> Result<(), hecs::ComponentError> {
+    /// Gives the servos their targets for the next step: where these are in its middle, and how fast
+    /// they move.
+    #[allow(clippy::useless_conversion, reason = "Real is f64 already in one of the two builds")]
+    pub(crate) fn drive(&self, Trial { simulation, world }: &mut Trial) -> Result<(), hecs::ComponentError> {
+        let (time, dt) = (simulation.time(), f64::from(simulation.settings().dt));
         for (leg, servos) in self.servos.iter().enumerate() {
             let (before, after) = (targets(leg, time), targets(leg, time + dt));
             for (servo, (before, after)) in servos.iter().zip(before.into_iter().zip(after)) {
@@ -109,6 +111,9 @@ pub(crate) fn trial(rng: &mut Rng) -> Result<(Robot, Trial), Box<dyn Error>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let count: usize = std::env::args().nth(1).map_or(Ok(1), |count| count.parse())?;
+    if count == 0 {
+        return Err("at least one robot has to walk".into());
+    }
     let mut robots = Vec::with_capacity(count);
     let mut batch = Batch::new();
     for index in 0..count {
@@ -118,13 +123,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let begin = Instant::now();
     for _ in 0..600 {
-        batch
-            .map(|index, Trial { simulation, world }| {
-                let dt = f64::from(simulation.settings().dt);
-                robots[index].drive(world, simulation.time(), dt)
-            })
-            .into_iter()
-            .collect::<Result<(), _>>()?;
+        batch.map(|index, trial| robots[index].drive(trial)).into_iter().collect::<Result<(), _>>()?;
         batch.step_many(1);
     }
     let seconds = begin.elapsed().as_secs_f64();

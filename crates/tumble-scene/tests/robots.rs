@@ -16,8 +16,7 @@ mod quadruped;
 
 fn walk(trial: &mut Trial, robot: &quadruped::Robot, until: f64) {
     while trial.simulation.time() < until {
-        let Trial { simulation, world } = &mut *trial;
-        robot.drive(world, simulation.time(), f64::from(simulation.settings().dt)).unwrap();
+        robot.drive(trial).unwrap();
         trial.step_many(1);
     }
 }
@@ -54,10 +53,7 @@ fn robots_of_a_batch_walk_as_alone() {
         batch.push(trial);
     }
     while batch.trials()[0].simulation.time() < 1.5 {
-        batch.map(|index, Trial { simulation, world }| {
-            let dt = f64::from(simulation.settings().dt);
-            robots[index].drive(world, simulation.time(), dt).unwrap();
-        });
+        batch.map(|index, trial| robots[index].drive(trial).unwrap());
         batch.step_many(1);
     }
     assert_eq!(batch.map(|_, trial| trial.state_hash()), alone);
