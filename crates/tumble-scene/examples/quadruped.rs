@@ -74,8 +74,8 @@ impl Robot {
         Ok((Self { torso: body("torso").ok_or("the robot has no torso")?, servos }, simulation))
     }
 
-    /// Gives the servos their targets for the next step: where these are in its middle, and how fast
-    /// they move.
+    /// Gives the servos their targets for the next step: where these are in its middle, and how
+    /// fast they move.
     #[allow(clippy::useless_conversion, reason = "Real is f64 already in one of the two builds")]
     pub(crate) fn drive(&self, Trial { simulation, world }: &mut Trial) -> Result<(), hecs::ComponentError> {
         let (time, dt) = (simulation.time(), f64::from(simulation.settings().dt));
