@@ -21,6 +21,11 @@ const ROBOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models/quadruped
 const LEGS: [&str; 4] = ["front-left", "front-right", "rear-left", "rear-right"];
 /// Of thigh and shank \[m\].
 const LINK: Real = 0.22;
+/// Radius of a foot, which is a ball, and how far the hips are below the torso's frame \[m\].
+const FOOT: Real = 0.03;
+const HIPS: Real = 0.03;
+/// How far it falls to begin with \[m\].
+const FALL: Real = 0.02;
 /// Angles of hip and knee at rest \[rad\].
 const STANCE: [f64; 2] = [-0.5, 1.0];
 /// How far a hip swings and a knee lifts \[rad\], and how often \[Hz\].
@@ -54,12 +59,12 @@ impl Robot {
         for leg in LEGS {
             let shank = body(&part(leg, "shank")).ok_or("the robot has no shank")?;
             let foot = Pose { position: Vec3::Z * -LINK, orientation: Quat::IDENTITY };
-            let foot = Collider::new(&Shape::sphere(0.03))?.with_offset(foot)?.with_material(material)?;
+            let foot = Collider::new(&Shape::sphere(FOOT))?.with_offset(foot)?.with_material(material)?;
             world.insert_one(shank, foot)?;
         }
         // The ground of a robot is along z: its half space is turned from y.
         let up = Quat::from_rotation_x(PI as Real / 2.0);
-        let height = -(2.0 * LINK + 0.03 + 0.03 + 0.02);
+        let height = -(HIPS + 2.0 * LINK + FOOT + FALL);
         let ground = RigidBody::new(Shape::Point).fixed().position(Vec3::Z * height).orientation(up);
         ground.build()?.spawn_with(world, (Collider::half_space().with_material(material)?,));
 

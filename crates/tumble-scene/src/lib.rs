@@ -33,6 +33,7 @@ mod written;
 pub use audit::collider::AuditedCollider;
 pub use audit::joint::{
     AuditedBreak, AuditedDrive, AuditedFriction, AuditedGain, AuditedGear, AuditedJoint, AuditedLimit,
+    AuditedOscillation,
 };
 pub use audit::mesh::{MeshOptions, MeshRepairs};
 pub use audit::{Audit, AuditedBody, Up};

@@ -1,6 +1,6 @@
 //! Promise: a robot read from a URDF file stands on its servos and walks by the targets that they
 //! are given, in the direction of its gait, whatever it is pushed with; in a batch it does so to
-//! the bit as alone. The scene `walker` walks by drives that go to and fro.
+//! the bit as alone. The scene `walker` walks by drives that oscillate.
 //!
 //! Why: that is what robots are for. It fails if a servo's sign is wrong, feet slip or sink, or
 //! joints of a batch are mixed up.

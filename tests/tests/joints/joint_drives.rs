@@ -16,13 +16,10 @@ use tumble::{
 };
 use tumble_tests::{Draw, by_precision, dvec3};
 
-/// A rod of a mass and 1 m on a hinge about z at the origin, along x, with drives.
-fn driven_rod(mass: f64, gravity: DVec3, substeps: u32, drives: Vec<Drive>) -> (Rig, Entity, Entity) {
+/// A driven rod in a world of its own, with steps of 1/60 s.
+fn rig_of_rod(mass: f64, gravity: DVec3, substeps: u32, drives: Vec<Drive>) -> (Rig, Entity, Entity) {
     let mut rig = Rig::new(gravity, 1.0 / 60.0, substeps);
-    let ground = rig.ground();
-    let rod = rig.spawn(rod(mass, 1.0, DVec3::X * 0.5));
-    let joint = rig.join_at(Joint::hinge(ground, rod), ORIGIN, DVec3::Z);
-    rig.world.insert_one(joint, Drives(drives)).unwrap();
+    let (rod, joint) = driven_rod(&mut rig.world, mass, drives);
     (rig, rod, joint)
 }
 
@@ -37,7 +34,7 @@ fn a_motor_holds_if_and_only_if_it_is_strong_enough() {
         for mass in [1e-3, 1.0, 1e4] {
             let most = (strength * mass * G * 0.5) as Real;
             let motor = Drive::velocity(Axes::ANGULAR_X, 0.0).with_max_force(most);
-            let (mut rig, _, joint) = driven_rod(mass, down(), 4, vec![motor]);
+            let (mut rig, _, joint) = rig_of_rod(mass, down(), 4, vec![motor]);
             rig.run_to(1.0);
             let load = rig.load(joint);
             println!("{strength} of {mass} kg: {} rad, {} N m", load.values[3], load.torque.z);
@@ -56,7 +53,7 @@ fn a_motor_holds_if_and_only_if_it_is_strong_enough() {
 #[test]
 fn a_motor_speeds_up_by_its_torque() {
     let motor = Drive::velocity(Axes::ANGULAR_X, 10.0).with_max_force(2.0);
-    let (mut rig, rod, _) = driven_rod(3.0, DVec3::ZERO, 4, vec![motor]);
+    let (mut rig, rod, _) = rig_of_rod(3.0, DVec3::ZERO, 4, vec![motor]);
     // 2 N m on 1 kg m^2: 10 rad/s after 5 s.
     for step in 1..=290 {
         rig.step();
@@ -72,7 +69,7 @@ fn a_motor_speeds_up_by_its_torque() {
 fn a_spring_swings_at_its_frequency_and_keeps_its_energy() {
     for hertz in [0.5, 2.0, 8.0] {
         let spring = Drive::position(Axes::ANGULAR_X, 0.0).with_frequency(hertz, 0.0);
-        let (mut rig, rod, joint) = driven_rod(2.0, DVec3::ZERO, 16, vec![spring]);
+        let (mut rig, rod, joint) = rig_of_rod(2.0, DVec3::ZERO, 16, vec![spring]);
         rig.world.get::<&mut tumble::Momentum>(rod).unwrap().linear = real(DVec3::Y * 0.1 * 2.0 * 0.5);
         rig.world.get::<&mut tumble::Momentum>(rod).unwrap().angular = real(DVec3::Z * 0.1 * 2.0 / 12.0);
         let (mut crossings, mut before) = (Vec::new(), 0.0);
@@ -149,7 +146,7 @@ fn a_frequency_is_that_of_all_links_that_hang_on_it() {
 fn a_rigid_servo_goes_straight_there_at_ten_radians_a_second() {
     for (start, target) in [(0.0, 1.0), (0.0, -2.5), (0.0, 0.05), (2.0, -1.0), (-3.0, 3.0)] {
         let servo = Drive::position(Axes::ANGULAR_X, start as Real);
-        let (mut rig, _, joint) = driven_rod(2.0, down(), 4, vec![servo]);
+        let (mut rig, _, joint) = rig_of_rod(2.0, down(), 4, vec![servo]);
         rig.run_to(1.0);
         rig.world.insert_one(joint, Drives::from(Drive::position(Axes::ANGULAR_X, target as Real))).unwrap();
         // The shorter way round.
@@ -167,7 +164,7 @@ fn a_rigid_servo_goes_straight_there_at_ten_radians_a_second() {
 fn a_servo_sags_by_load_over_stiffness() {
     for stiffness in [50.0, 1e3, 1e6] {
         let servo = Drive::position(Axes::ANGULAR_X, 0.3).with_stiffness(stiffness, stiffness * 0.2);
-        let (mut rig, _, joint) = driven_rod(2.0, down(), 4, vec![servo]);
+        let (mut rig, _, joint) = rig_of_rod(2.0, down(), 4, vec![servo]);
         rig.run_to(8.0);
         let angle = f64::from(rig.load(joint).values[3]);
         let expected = -2.0 * G * 0.5 * angle.cos() / f64::from(stiffness);
@@ -186,7 +183,7 @@ fn any_stiffness_is_stable() {
         let servo = Drive::position(Axes::ANGULAR_X, target as Real);
         let servo = servo.with_stiffness(stiffness as Real, damping as Real).with_max_force(most as Real);
         let mass = draw.log_between(1e-3, 1e3);
-        let (mut rig, rod, _) = driven_rod(mass, DVec3::ZERO, 4, vec![servo]);
+        let (mut rig, rod, _) = rig_of_rod(mass, DVec3::ZERO, 4, vec![servo]);
         // There is no more energy than the spring had at first, or the motor's strength over its
         // way.
         let whole = (0.5 * stiffness * target * target).min(most * PI);
@@ -202,7 +199,7 @@ fn any_stiffness_is_stable() {
 fn a_rigid_servo_goes_there_and_limits_have_the_last_word() {
     for (target, limit, expected) in [(1.0, 3.0, 1.0), (2.0, 0.5, 0.5), (-2.5, 1.0, -1.0)] {
         let servo = Drive::position(Axes::ANGULAR_X, target);
-        let (mut rig, _, joint) = driven_rod(2.0, down(), 4, vec![servo]);
+        let (mut rig, _, joint) = rig_of_rod(2.0, down(), 4, vec![servo]);
         rig.world.insert_one(joint, Limits::along(Axes::ANGULAR_X, Limit::new(-limit, limit))).unwrap();
         rig.run_to(2.0);
         let load = rig.load(joint);
@@ -285,7 +282,7 @@ fn three_springs_of_a_ball_pull_straight_back() {
 #[test]
 fn friction_slows_down_by_torque_over_inertia_and_then_holds() {
     for mass in [1e-2, 1.0, 1e3] {
-        let (mut rig, rod, joint) = driven_rod(mass, DVec3::ZERO, 4, Vec::new());
+        let (mut rig, rod, joint) = rig_of_rod(mass, DVec3::ZERO, 4, Vec::new());
         let torque = moment(mass) * 4.0;
         rig.world.insert_one(joint, JointFriction::along(Axes::ANGULAR_X, torque as Real)).unwrap();
         rig.world.get::<&mut tumble::Momentum>(rod).unwrap().linear = real(DVec3::Y * 3.0 * mass);
@@ -383,7 +380,7 @@ fn a_broken_joint_can_be_mended_and_many_steps_are_single_steps() {
 fn what_a_drive_does_is_booked() {
     // The works of joints over all bodies are the change of kinetic energy: nothing else acts.
     let motor = Drive::velocity(Axes::ANGULAR_X, 4.0).with_max_force(3.0);
-    let (mut rig, rod, _) = driven_rod(3.0, DVec3::ZERO, 4, vec![motor]);
+    let (mut rig, rod, _) = rig_of_rod(3.0, DVec3::ZERO, 4, vec![motor]);
     rig.world.insert_one(rod, tumble::Work::default()).unwrap();
     rig.run_to(2.0);
     let work = f64::from(rig.world.get::<&tumble::Work>(rod).unwrap().joints);
@@ -397,7 +394,7 @@ fn what_a_drive_does_is_booked() {
 fn infinite_friction_holds_against_a_motor() {
     for most in [0.0, 3.0, 1e6] {
         let motor = Drive::velocity(Axes::ANGULAR_X, 4.0).with_max_force(most);
-        let (mut rig, rod, joint) = driven_rod(3.0, down(), 4, vec![motor]);
+        let (mut rig, rod, joint) = rig_of_rod(3.0, down(), 4, vec![motor]);
         let mut friction = JointFriction::default();
         friction.max[3] = Real::INFINITY;
         rig.world.insert_one(joint, friction).unwrap();

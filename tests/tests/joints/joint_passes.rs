@@ -285,8 +285,7 @@ fn works_add_up() {
         rig.step();
         let works: Vec<Work> = balls.iter().map(|ball| *rig.world.get::<&Work>(*ball).unwrap()).collect();
         let done: f64 = works.iter().map(Work::total).sum();
-        let totals = rig.totals();
-        let energy = totals.linear_kinetic + totals.rotational_kinetic;
+        let energy = rig.totals().kinetic();
         most = most.max(energy);
         assert!((done - energy).abs() < by_precision(1e-3, 1e-8) * most, "{done} of {energy} J");
         assert_eq!(works.iter().map(|work| work.contacts).sum::<f64>(), 0.0);

@@ -171,10 +171,27 @@ pub struct AuditedDrive {
     /// The greatest force \[N\] or torque [N m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_force: Option<f64>,
-    /// How the position goes to and fro: amplitude \[m\] \[rad\], frequency \[Hz\] and phase
-    /// \[rad\].
+    /// How the position oscillates, if it does.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub oscillation: Option<[f64; 3]>,
+    pub oscillation: Option<AuditedOscillation>,
+}
+
+/// A sine that is added to the position of a drive.
+///
+/// ```
+/// use tumble_scene::AuditedOscillation;
+///
+/// let gait = AuditedOscillation { amplitude: 0.3, frequency: 2.0, phase: 0.0 };
+/// assert_eq!(gait.frequency, 2.0);
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AuditedOscillation {
+    /// The furthest from the position \[m\] \[rad\].
+    pub amplitude: f64,
+    /// Periods a second \[Hz\].
+    pub frequency: f64,
+    /// At the time zero \[rad\].
+    pub phase: f64,
 }
 
 /// How hard a limit or a drive pulls.
@@ -339,7 +356,11 @@ impl AuditedDrive {
             velocity: double(drive.velocity),
             gain: AuditedGain::of(drive.gain),
             max_force: Some(double(drive.max_force)).filter(|max| max.is_finite()),
-            oscillation: drive.oscillation.map(|it| [it.amplitude, it.hertz, it.phase].map(double)),
+            oscillation: drive.oscillation.map(|it| AuditedOscillation {
+                amplitude: double(it.amplitude),
+                frequency: double(it.hertz),
+                phase: double(it.phase),
+            }),
         }
     }
 }

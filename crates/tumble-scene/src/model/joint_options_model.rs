@@ -74,8 +74,8 @@ pub(crate) struct DriveModel {
     pub(crate) oscillation: Option<OscillationModel>,
 }
 
-/// How the position of a drive goes to and fro.
-#[derive(Clone, Debug, Default, PartialEq, serde::Deserialize)]
+/// How the position of a drive oscillates.
+#[derive(Clone, Debug, PartialEq, serde::Deserialize)]
 #[serde(deny_unknown_fields, rename = "Oscillation", expecting = "an oscillation with named fields")]
 pub(crate) struct OscillationModel {
     pub(crate) amplitude: Option<f64>,

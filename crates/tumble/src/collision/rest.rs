@@ -73,7 +73,7 @@ impl CollisionPipeline {
         self.sleepers.take_contacts(&mut self.contacts.records);
     }
 
-    /// Disturbs what has joints that are not as they were, or that a drive moves to and fro.
+    /// Disturbs what has joints that are not as they were, or drives that oscillate.
     fn notice_joints(&mut self, joints: &JointList) {
         let Self { sleepers, joint_marks, body_index, .. } = self;
         joint_marks.update(joints, |body| sleepers.disturbed.extend(body_index.slot(body.id())));

@@ -63,7 +63,7 @@ pub struct Drive {
     pub gain: Gain,
     /// The greatest force \[N\] or torque [N m]; infinite if there is none.
     pub max_force: Real,
-    /// How the position goes to and fro, if it does. Without a position it does nothing.
+    /// How the position oscillates, if it does. Without a position it does nothing.
     pub oscillation: Option<Oscillation>,
 }
 
@@ -102,7 +102,7 @@ impl Drive {
         Self { max_force, ..self }
     }
 
-    /// The same with a position that goes to and fro, as a joint of a gait does.
+    /// The same with a position that oscillates, as a joint of a gait does.
     #[must_use]
     pub const fn with_oscillation(self, oscillation: Oscillation) -> Self {
         Self { oscillation: Some(oscillation), ..self }

@@ -257,7 +257,7 @@ impl JointList {
         joint.options.map(|number| &self.options[number as usize])
     }
 
-    /// The bodies of those that a drive moves to and fro.
+    /// The bodies of those with a drive that oscillates.
     pub(crate) fn oscillating(&self) -> impl Iterator<Item = [Slot; 2]> + '_ {
         let oscillates = |joint: &&ListedJoint| {
             self.options(joint).is_some_and(|options| options.drives.iter().any(Drive::oscillates))

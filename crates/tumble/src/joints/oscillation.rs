@@ -1,4 +1,4 @@
-//! Positions of drives that go to and fro.
+//! Oscillating positions of drives.
 
 use tumble_math::lane::Lane;
 

@@ -109,8 +109,8 @@ impl Solver {
         let next_rows = gather(constraints, body_index, columns, inputs, results, first_rows);
         let Constraints { bodies: constrained, contacts, mechanisms } = constraints;
         let (constrained, first) = (&**constrained, all.len() as u32);
-        let passes = (inputs.0.joint_solver, &mut *joints);
         let (settings, _, begin) = inputs;
+        let passes = (settings.joint_solver, &mut *joints);
         let middle = begin + 0.5 * f64::from(settings.substep());
         mechanisms.gather((constrained, contacts), body_index, columns, bodies, passes, middle);
         if constrained.jointed_locks().next().is_some() {
@@ -128,13 +128,13 @@ impl Solver {
             }
             GroupContact { number, rows }
         }));
-        stacks.add_halvings(records, constrained, inputs.0, bodies, halvings);
+        stacks.add_halvings(records, constrained, settings, bodies, halvings);
         if mechanisms.are_touched() || !joints.is_empty() {
             mechanisms.keep_whole(records, constrained, bodies, &mut halvings[first as usize..]);
         }
         if mechanisms.are_touched() {
             // Worlds with joints are solved by themselves: their contacts are all that there are.
-            let h = inputs.0.contact_substep();
+            let h = settings.contact_substep();
             mechanisms.take_direct((records, bodies, h), (all, rounds), direct, joints);
         }
         next_rows

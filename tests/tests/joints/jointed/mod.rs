@@ -6,7 +6,8 @@ use glam::{DMat3, DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};
 use tumble::{
-    Axes, BodyOrder, InertiaTensor, Joint, JointLoad, Pose, RigidBody, Settings, Shape, Simulation, Totals, Velocity,
+    Axes, BodyId, BodyOrder, Drive, Drives, InertiaTensor, Joint, JointLoad, Pose, RigidBody, Settings, Shape,
+    Simulation, Totals, Velocity,
 };
 use tumble_tests::references::{real_quat, real_vec3};
 use tumble_tests::{dquat, dvec3};
@@ -122,6 +123,14 @@ pub(crate) fn body(mass: f64, moments: DVec3, position: DVec3) -> RigidBody {
 pub(crate) fn rod(mass: f64, length: f64, position: DVec3) -> RigidBody {
     let across = mass * length * length / 12.0;
     body(mass, DVec3::new(0.01 * across, across, across), position)
+}
+
+/// A rod of 1 m on a hinge about z at the origin, along x, with drives; and the joint.
+pub(crate) fn driven_rod(world: &mut World, mass: f64, drives: Vec<Drive>) -> (Entity, Entity) {
+    let ground = RigidBody::new(Shape::Point).fixed().build().unwrap().spawn(world);
+    let rod = rod(mass, 1.0, DVec3::X * 0.5).id(BodyId(1)).build().unwrap().spawn(world);
+    let hinge = Joint::hinge(ground, rod).at(world, real(ORIGIN), real(DVec3::Z)).unwrap();
+    (rod, world.spawn((hinge, Drives(drives), JointLoad::default())))
 }
 
 /// The same turned, and with the velocity of turning about a point.

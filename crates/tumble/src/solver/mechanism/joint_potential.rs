@@ -39,7 +39,7 @@ pub(crate) fn joint_potential(world: &World) -> f64 {
             }
             if let Some(stance) = stance(joint, &poses) {
                 options.take_row(archetype, row, joint.free);
-                // What moves to and fro does work at any place.
+                // A drive that oscillates does work at any place.
                 options.drives.retain(|drive| !drive.oscillates());
                 energies.push(energy(joint, &options, &stance));
             }
