@@ -6,6 +6,7 @@
 //! 5.1.
 
 use crate::minkowski::{Difference, Reached};
+use crate::segments::nearest_of_few;
 use crate::support_map::Vector;
 
 /// Up to four points of the difference, and how much of each is in the point that is nearest to the
@@ -40,6 +41,15 @@ const FLAT: f64 = 1e-10;
 
 /// Looks no further than `limit`.
 pub(crate) fn nearest(shapes: &Difference<'_>, limit: f64) -> Nearest {
+    match nearest_of_few(shapes) {
+        Some((between, _)) if between.dot(between) > limit * limit => Nearest::Far,
+        Some((between, on_first)) => Nearest::Apart { between, on_first },
+        None => nearest_of_all(shapes, limit),
+    }
+}
+
+/// The same for shapes of any kind.
+fn nearest_of_all(shapes: &Difference<'_>, limit: f64) -> Nearest {
     let start = shapes.first.middle() - shapes.place(shapes.second.middle());
     let mut v = if start.dot(start) > 0.0 { start } else { Vector::new(1.0, 0.0, 0.0) };
     let mut simplex = Simplex::none();

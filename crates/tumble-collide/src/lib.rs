@@ -49,6 +49,7 @@ mod pair_tests;
 mod passage;
 mod query;
 mod scalar;
+mod segments;
 mod sphere;
 mod sphere_lanes;
 mod support_map;
