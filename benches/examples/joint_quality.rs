@@ -2,9 +2,9 @@
 //! how much energy is lost, over ten seconds at 60 steps a second with four substeps.
 //!
 //! `cargo run --release -p tumble-benches --features peers --example joint_quality`, with the name
-//! of a scene for that one alone. Rapier runs with its impulse joints and its default of four
-//! iterations, and with its multibody joints where it can. An engine that has taken ten seconds for
-//! this is stopped; `simulated` says how far it came.
+//! of a scene for that one alone. Tumble runs as it is, and with rigid joints in passes; Rapier with
+//! its impulse joints and its default of four iterations, and with its multibody joints where it
+//! can. An engine that has taken ten seconds for this is stopped; `simulated` says how far it came.
 //!
 //! Then the engines alternate in blocks of steps, so that what else the machine does hits all, and
 //! medians of three are printed. Both have one thread, and what is measured is its processor time,
@@ -31,7 +31,7 @@ use std::time::{Duration, Instant};
 
 use hecs::{Entity, World};
 use tumble::math::{PRECISION, Vec3, dvec3};
-use tumble::{BodyOrder, Joint, Mass, Pose, Settings, Simulation, Totals, simd_name};
+use tumble::{BodyOrder, Joint, JointSolver, Mass, Pose, Settings, Simulation, Totals, simd_name};
 use tumble_benches::{JointKind, LINK, RapierJoints, RapierWorld, arm, bridge, chain, net, pendulums, pool, ragdolls};
 
 type RunStatus<T> = Result<T, Box<dyn std::error::Error + Send + Sync>>;
@@ -220,8 +220,11 @@ impl Scene {
     fn run(&self, clock: Clock<'_>) -> RunStatus<()> {
         let start = (self.made)();
         let settings = Settings::default();
-        let ours = Engine::Tumble(Box::new(((self.made)(), Simulation::new(settings)?)));
-        let mut runs = vec![Run::new("tumble", ours)];
+        let mut runs = Vec::new();
+        for (name, solver) in [("tumble", JointSolver::Auto), ("tumble, passes", JointSolver::Passes)] {
+            let simulation = Simulation::new(settings.with_joint_solver(solver))?;
+            runs.push(Run::new(name, Engine::Tumble(Box::new(((self.made)(), simulation)))));
+        }
         for (name, joints) in [("Rapier", RapierJoints::Impulse), ("Rapier multibody", RapierJoints::Multibody)] {
             if !self.has_multibody && joints == RapierJoints::Multibody {
                 continue;

@@ -19,6 +19,7 @@ mod finer_substeps;
 mod flat_bodies;
 mod ghosts;
 mod hits;
+mod kept_layout;
 mod oblique_bounce;
 #[path = "../shared/pile/mod.rs"]
 mod pile;

@@ -94,7 +94,7 @@ impl CollisionPipeline {
             self.find_pairs(&mut sweep, columns, joints);
         }
         if !sweep.pairs.is_empty() {
-            self.list_travellers(&mut sweep, columns, joints, settings.substep());
+            self.list_travellers(&mut sweep, columns, settings.substep());
             self.stop_all(&mut sweep, columns, settings);
             let surroundings = Surroundings { joints, endless: &sweep.endless };
             self.move_on(&sweep.travellers, columns, surroundings, settings);
@@ -199,20 +199,27 @@ impl CollisionPipeline {
         4.0 * turned * arm * arm > most * most
     }
 
-    /// Lists each fast body with what is near its way.
+    /// Lists each fast body with what is near its way, where one of the two can be put back.
     fn find_pairs(&self, sweep: &mut Sweep, columns: &WorldColumns<'_>, joints: &JointList) {
-        let Sweep { fast, pairs, endless, .. } = sweep;
+        let Sweep { fast, pairs, endless, jointed, .. } = sweep;
+        jointed.clear();
+        jointed.extend(joints.joints.iter().flat_map(|joint| joint.slots));
+        jointed.sort_unstable();
+        let states = &self.collider_states.states;
+        let is_free = |slot: Slot| states[slot.index()].is_dynamic && jointed.binary_search(&slot).is_err();
+        if !(0..states.len() as u32).any(|slot| is_free(Slot(slot))) {
+            return;
+        }
         endless.clear();
         let proxies = (0..).zip(&self.collider_states.proxies);
         endless.extend(proxies.filter(|(_, proxy)| proxy.aabb.is_none()).map(|(slot, _)| Slot(slot)));
-        let is_dynamic = |slot: Slot| self.collider_states.states[slot.index()].is_dynamic;
         for slot in fast.iter().copied() {
             let Some(aabb) = self.swept_aabb(slot, columns) else { continue };
             self.for_each_near((slot, &aabb), columns, Surroundings { joints, endless }, |other| {
-                if is_dynamic(slot) {
+                if is_free(slot) {
                     pairs.push([other, slot]);
                 }
-                if is_dynamic(other) {
+                if is_free(other) {
                     pairs.push([slot, other]);
                 }
             });
@@ -276,7 +283,7 @@ impl CollisionPipeline {
     }
 
     /// Lists the bodies of pairs.
-    fn list_travellers(&self, sweep: &mut Sweep, columns: &WorldColumns<'_>, joints: &JointList, h: Real) {
+    fn list_travellers(&self, sweep: &mut Sweep, columns: &WorldColumns<'_>, h: Real) {
         let Sweep { fast, pairs, places, travellers, jointed, found, .. } = sweep;
         found.resize_with(found.len().max(1), Vec::new);
         let slots = &mut found[0];
@@ -284,9 +291,6 @@ impl CollisionPipeline {
         slots.extend(pairs.iter().flatten());
         slots.sort_unstable();
         slots.dedup();
-        jointed.clear();
-        jointed.extend(joints.joints.iter().flat_map(|joint| joint.slots));
-        jointed.sort_unstable();
         travellers.clear();
         travellers.extend(slots.iter().filter_map(|slot| {
             let state = &self.collider_states.states[slot.index()];

@@ -225,6 +225,19 @@ macro_rules! tile {
             }
 
             #[inline(always)]
+            unsafe fn scatter<const N: usize>(tiles: [Self; N], rows: &[*mut Eight; BLOCK]) {
+                const { assert!($width <= BLOCK) };
+                let mut vectors = [tiles[0].0; N];
+                let mut c = 1;
+                while c < N {
+                    vectors[c] = tiles[c].0;
+                    c += 1;
+                }
+                // SAFETY: the caller's promise; for the rest see the module.
+                unsafe { $rows::scatter_rows(vectors, rows) };
+            }
+
+            #[inline(always)]
             fn are_zero<const N: usize>(numbers: [Self; N]) -> bool {
                 let mut $v = numbers[0].0;
                 let mut c = 1;

@@ -46,7 +46,7 @@ use x86_64 as target;
 pub(crate) use four::{Four, FourKernel, FourLane};
 use record::Eight;
 pub(crate) use record::{
-    NumberField, Octet, Record, gather_rows, is_as_eight, load_rows, octet, select_rows, store_rows,
+    NumberField, Octet, Record, gather_rows, is_as_eight, load_rows, octet, scatter_rows, select_rows, store_rows,
 };
 pub(crate) use rows::{RowColors, Rows, gather};
 
@@ -80,6 +80,24 @@ pub(crate) trait Tile: Lane {
 
     /// Overwrites the first `N` numbers of each of the first rows.
     fn store<R: Record, const N: usize>(numbers: [Self; N], rows: &mut [R]);
+
+    /// Overwrites rows of eight numbers that are anywhere, as many as there are bodies: at most a block's.
+    ///
+    /// # Safety
+    /// They may be written.
+    #[allow(unsafe_code, reason = "rows that lie anywhere; see `rows.rs`")]
+    #[inline(always)]
+    unsafe fn scatter<const N: usize>(numbers: [Self; N], rows: &[*mut Eight; BLOCK]) {
+        const { assert!(Self::WIDTH <= BLOCK && N == 8) };
+        let mut changed = [Eight::ZERO; BLOCK];
+        Self::store(numbers, &mut changed);
+        let mut i = 0;
+        while i < Self::WIDTH {
+            // SAFETY: the caller's promise.
+            unsafe { *rows[i] = changed[i] };
+            i += 1;
+        }
+    }
 
     /// Whether all of these are positive zeros.
     fn are_zero<const N: usize>(numbers: [Self; N]) -> bool;

@@ -11,12 +11,11 @@ use crate::math::Real;
 /// How a vector type loads and stores one block of as many rows as it has lanes.
 ///
 /// # Safety
-/// `row` says where each row's block begins, or the first one is at `base` and the others `stride`
-/// numbers apart; the blocks of as many rows as there are lanes must be readable (writable), and
-/// the machine must have the instruction set.
+/// `row` says where each row's block begins; the blocks of as many rows as there are lanes must be
+/// readable (writable), and the machine must have the instruction set.
 pub(super) trait Block: Sized + Copy {
     unsafe fn load4(row: impl Fn(usize) -> *const Real) -> [Self; 4];
-    unsafe fn store4(numbers: [Self; 4], base: *mut Real, stride: usize);
+    unsafe fn store4(numbers: [Self; 4], row: impl Fn(usize) -> *mut Real);
 }
 
 /// Blocks of vectors of four numbers: four by four, in place.
@@ -34,14 +33,14 @@ macro_rules! blocks {
             }
 
             #[inline(always)]
-            unsafe fn store4(numbers: [Self; 4], base: *mut Real, stride: usize) {
+            unsafe fn store4(numbers: [Self; 4], row: impl Fn(usize) -> *mut Real) {
                 // SAFETY: the caller's promise.
                 unsafe {
                     let rows = transposed(numbers);
-                    $store(base.cast(), rows[0]);
-                    $store(base.add(stride).cast(), rows[1]);
-                    $store(base.add(2 * stride).cast(), rows[2]);
-                    $store(base.add(3 * stride).cast(), rows[3]);
+                    $store(row(0).cast(), rows[0]);
+                    $store(row(1).cast(), rows[1]);
+                    $store(row(2).cast(), rows[2]);
+                    $store(row(3).cast(), rows[3]);
                 }
             }
         }
@@ -84,13 +83,13 @@ macro_rules! blocks {
             }
 
             #[inline(always)]
-            unsafe fn store4([a, b, c, d]: [Self; 4], base: *mut Real, stride: usize) {
+            unsafe fn store4([a, b, c, d]: [Self; 4], row: impl Fn(usize) -> *mut Real) {
                 // SAFETY: the caller's promise.
                 unsafe {
-                    $store(base.cast(), $zip_low(a, b));
-                    $store(base.add(2).cast(), $zip_low(c, d));
-                    $store(base.add(stride).cast(), $zip_high(a, b));
-                    $store(base.add(stride + 2).cast(), $zip_high(c, d));
+                    $store(row(0).cast(), $zip_low(a, b));
+                    $store(row(0).add(2).cast(), $zip_low(c, d));
+                    $store(row(1).cast(), $zip_high(a, b));
+                    $store(row(1).add(2).cast(), $zip_high(c, d));
                 }
             }
         }
@@ -146,11 +145,27 @@ fn joined<V: Copy, const N: usize>(first: [V; 4], last: [V; 4], begin: usize) ->
 /// As for [`Block`], of rows of `N` numbers.
 #[inline(always)]
 pub(super) unsafe fn store_rows<V: Block, const N: usize>(v: [V; N], base: *mut Real, stride: usize) {
+    let row = |lane: usize| base.wrapping_add(lane * stride);
     // SAFETY: both blocks lie within the row, and the caller's promise.
     unsafe {
-        V::store4([v[0], v[1], v[2], v[3]], base, stride);
+        V::store4([v[0], v[1], v[2], v[3]], row);
         if N > 4 {
-            V::store4([v[N - 4], v[N - 3], v[N - 2], v[N - 1]], base.add(N - 4), stride);
+            V::store4([v[N - 4], v[N - 3], v[N - 2], v[N - 1]], |lane| row(lane).wrapping_add(N - 4));
         }
+    }
+}
+
+/// Stores rows of eight that are anywhere.
+///
+/// # Safety
+/// As many rows as there are lanes may be written, and the machine has the instruction set.
+#[inline(always)]
+pub(super) unsafe fn scatter_rows<V: Block, const N: usize>(v: [V; N], rows: &[*mut Eight; BLOCK]) {
+    const { assert!(N == 8) };
+    let row = |lane: usize| rows[lane].cast::<Real>();
+    // SAFETY: both blocks lie within a row of eight, and the caller's promise.
+    unsafe {
+        V::store4([v[0], v[1], v[2], v[3]], row);
+        V::store4([v[4], v[5], v[6], v[7]], |lane| row(lane).wrapping_add(4));
     }
 }

@@ -1,12 +1,15 @@
 //! Rows that lie anywhere in a table: as tiles, and changed by threads at the same time, each its
 //! own. What makes that sound is checked when the rows are listed.
 
-#![allow(unsafe_code, reason = "one comparison in the place of eight, and a shared pointer; see the SAFETY notes")]
+#![allow(
+    unsafe_code,
+    reason = "rows that are checked when they are listed, and a shared pointer; see the SAFETY notes"
+)]
 
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::{BLOCK, Octet, Tile, gather_rows, store_rows};
+use super::{BLOCK, Octet, Tile, gather_rows, scatter_rows, store_rows};
 
 /// Rows anywhere in a table.
 ///
@@ -14,29 +17,21 @@ use super::{BLOCK, Octet, Tile, gather_rows, store_rows};
 /// Where there is no such row.
 #[inline(always)]
 pub(crate) fn gather<T: Tile, R: Octet>(table: &[R], indices: &[u32; BLOCK], lane: usize) -> R::Lanes<T> {
-    // SAFETY: all rows of a slice may be read.
-    unsafe { gather_from(table.as_ptr(), table.len(), indices, lane) }
+    assert!(greatest::<T>(indices, lane) < table.len());
+    // SAFETY: no index is greater than the greatest, and all rows of a slice may be read.
+    unsafe { gather_from(table.as_ptr(), indices, lane) }
 }
 
-/// The same from a table of `count` rows that begins at `base`.
+/// The same from a table that begins at `base`.
 ///
 /// # Safety
-/// The rows that a tile asks for, where there are any, may be read.
-///
-/// # Panics
-/// Where there is no such row.
+/// The rows that a tile asks for are there and may be read.
 #[inline(always)]
-unsafe fn gather_from<T: Tile, R: Octet>(
-    base: *const R,
-    count: usize,
-    indices: &[u32; BLOCK],
-    lane: usize,
-) -> R::Lanes<T> {
-    assert!(greatest::<T>(indices, lane) < count);
+unsafe fn gather_from<T: Tile, R: Octet>(base: *const R, indices: &[u32; BLOCK], lane: usize) -> R::Lanes<T> {
     let mut rows = [R::zero(); BLOCK];
     let mut i = 0;
     while i < T::WIDTH {
-        // SAFETY: no index is greater than the greatest; and the caller's promise.
+        // SAFETY: the caller's promise.
         rows[i] = unsafe { &*base.add(indices[lane + i] as usize) };
         i += 1;
     }
@@ -61,6 +56,8 @@ pub(crate) struct RowColors {
     colors: Vec<RowColor>,
     /// By row that may be changed, the last color in which it is.
     last: Vec<usize>,
+    /// One more than the greatest row that is listed.
+    end: usize,
 }
 
 /// Eight pairs of rows.
@@ -86,6 +83,8 @@ impl RowColors {
         self.colors.clear();
         self.last.clear();
         self.last.resize(changing, usize::MAX);
+        // The row that stands for none is listed wherever a block is not full.
+        self.end = changing;
     }
 
     /// Begins a color. Where it is `has_non_dynamic`, the first rows of its pairs are ones that are
@@ -113,6 +112,7 @@ impl RowColors {
                 assert!(last != index, "row {row} is changed twice in a color");
             }
             assert!(!color.has_non_dynamic || first as usize > nobody, "row {first} is only read, but may be changed");
+            self.end = self.end.max(first.max(second) as usize + 1);
             (block.rows[0][block.count], block.rows[1][block.count]) = (first, second);
             block.count += 1;
         }
@@ -132,6 +132,7 @@ impl RowColors {
             has_non_dynamic,
             base: rows.as_mut_ptr(),
             count: rows.len(),
+            end: self.end,
             rows: PhantomData,
         }
     }
@@ -143,7 +144,10 @@ pub(crate) struct Rows<'a, R> {
     blocks: &'a [RowPairs],
     has_non_dynamic: bool,
     base: *mut R,
+    /// How many rows there are: those that may be changed at the least.
     count: usize,
+    /// One more than the greatest row that is listed.
+    end: usize,
     rows: PhantomData<&'a mut [R]>,
 }
 
@@ -164,20 +168,29 @@ impl<R: Octet> Rows<'_, R> {
         self.has_non_dynamic
     }
 
-    /// Which rows the pairs of a block are.
-    #[inline(always)]
-    pub(crate) fn pairs(&self, block: usize) -> &[[u32; BLOCK]; 2] {
-        &self.blocks[block].rows
-    }
-
     /// The first or the second rows of a tile from `lane` on. Lanes without a pair have the row
     /// that stands for none, which nothing changes.
+    ///
+    /// # Panics
+    /// Where the first rows are only read, and there are fewer rows than are listed.
     #[inline(always)]
     pub(crate) fn gather<T: Tile>(&self, block: usize, which: usize, lane: usize) -> R::Lanes<T> {
-        let indices = &self.blocks[block].rows[which];
-        // SAFETY: nothing changes these rows: see the type; nor the one that stands for none, which
-        // no block lists.
-        unsafe { gather_from(self.base, self.count, indices, lane) }
+        assert!(which == 1 || !self.has_non_dynamic || self.end <= self.count);
+        // SAFETY: rows that may be changed are there, which was checked when they were listed and when
+        // this was made. Nothing changes these rows: see the type; nor the one that stands for none.
+        unsafe { gather_from(self.base, &self.blocks[block].rows[which], lane) }
+    }
+
+    /// Those of both in a table beside this one.
+    ///
+    /// # Panics
+    /// Where it has fewer rows than are listed.
+    #[inline(always)]
+    pub(crate) fn gather_beside<T: Tile, S: Octet>(&self, table: &[S], block: usize, lane: usize) -> [S::Lanes<T>; 2] {
+        assert!(self.end <= table.len());
+        let [first, second] = &self.blocks[block].rows;
+        // SAFETY: no row that is listed is beyond the end, and all rows of a slice may be read.
+        unsafe { [gather_from(table.as_ptr(), first, lane), gather_from(table.as_ptr(), second, lane)] }
     }
 
     /// Overwrites the first or the second rows of a tile from `lane` on. First rows that are only
@@ -186,14 +199,24 @@ impl<R: Octet> Rows<'_, R> {
     pub(crate) fn scatter<T: Tile>(&mut self, lanes: R::Lanes<T>, block: usize, which: usize, lane: usize) {
         let RowPairs { rows, count } = &self.blocks[block];
         let count = if self.has_non_dynamic && which == 0 { 0 } else { *count };
+        let of_pair = |i: usize| self.base.wrapping_add(rows[which][lane + i] as usize);
+        if count == BLOCK {
+            let mut all = [self.base; BLOCK];
+            let mut i = 0;
+            while i < T::WIDTH {
+                all[i] = of_pair(i);
+                i += 1;
+            }
+            // SAFETY: rows that may be changed are there, which was checked when they were listed and
+            // when this was made, and nothing else has access to them: see the type.
+            return unsafe { scatter_rows::<T, R>(lanes, &all) };
+        }
         let mut changed = [R::ZERO; BLOCK];
         store_rows::<T, R>(lanes, &mut changed);
         let mut i = 0;
         while i < T::WIDTH && lane + i < count {
-            let row = rows[which][lane + i] as usize;
-            assert!(row < self.count);
-            // SAFETY: the row is there, and nothing else has access to it: see the type.
-            unsafe { *self.base.add(row) = changed[i] };
+            // SAFETY: as before.
+            unsafe { *of_pair(i) = changed[i] };
             i += 1;
         }
     }

@@ -1,6 +1,7 @@
 //! Every instruction set that this machine has, beside one number at a time: all operations of
 //! lanes on all kinds of numbers, and rows of every length.
 
+use super::record::sample::Sample;
 use super::record::{numbers, set_numbers};
 use super::*;
 use crate::components::{Damping, Inertia, Pose, PrincipalAxes, Wind};
@@ -356,4 +357,48 @@ fn rows_from_anywhere_are_gathered() {
             assert_eq!(row.0, from[source(i, 16)].0, "{level:?}, row {i}");
         }
     }
+}
+
+/// Swaps the rows of each pair.
+struct Swapping<'a>(Rows<'a, Sample>, usize);
+
+impl Kernel for Swapping<'_> {
+    fn len(&self) -> usize {
+        self.1 * BLOCK
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let Self(rows, _) = self;
+        let (block, lane) = (i / BLOCK, i % BLOCK);
+        let (first, second) = (rows.gather::<T>(block, 0, lane), rows.gather::<T>(block, 1, lane));
+        rows.scatter(first, block, 1, lane);
+        rows.scatter(second, block, 0, lane);
+    }
+}
+
+#[test]
+fn rows_anywhere_are_overwritten_in_full_blocks_and_others_and_no_other_rows_are() {
+    // Two full blocks and one of four pairs, of rows up to 40; row 42 stands for none.
+    let pairs: Vec<[u32; 2]> = (0..20).map(|i| [(7 * i) % 41, (7 * (i + 20)) % 41]).collect();
+    for level in available() {
+        let mut colors = RowColors::default();
+        colors.reset(43);
+        colors.begin(false);
+        pairs.chunks(BLOCK).for_each(|block| colors.push(block.iter().copied()));
+        let before: Vec<Sample> = (0..43).map(sample).collect();
+        let mut after = before.clone();
+        level.run_in_blocks(&mut Swapping(colors.rows(0, &mut after), pairs.len().div_ceil(BLOCK)));
+        let mut expected = before;
+        pairs.iter().for_each(|[a, b]| expected.swap(*a as usize, *b as usize));
+        let all = |rows: &[Sample]| rows.iter().map(numbers::<Sample, 8>).collect::<Vec<_>>();
+        assert_eq!(all(&after), all(&expected), "{level:?}");
+    }
+}
+
+/// Eight numbers that no other row has.
+fn sample(row: u16) -> Sample {
+    let mut sample = Sample::ZERO;
+    set_numbers::<Sample, 8>(&mut sample, std::array::from_fn(|c| Real::from(8 * row + c as u16)));
+    sample
 }

@@ -41,6 +41,18 @@ pub(crate) struct ContactConstraints {
     places: Vec<Place>,
     /// Of all contacts, by their numbers.
     all_places: Vec<Place>,
+    laid_out: LaidOut,
+}
+
+/// What a layout follows from: while this is the same the layout is kept.
+#[derive(Clone, Default)]
+struct LaidOut {
+    /// Each with whether it has more than one point.
+    contacts: Vec<(GroupContact, bool)>,
+    first_non_dynamic: usize,
+    extras: Extras,
+    /// Of bodies with locked axes, which are laid out in every step.
+    has_locks: bool,
 }
 
 /// Blocks of contacts of up to `P` points, and what only some have: for all blocks, or for none.
@@ -113,7 +125,8 @@ pub(crate) enum SolverStage<'a> {
 const COLORS: usize = ContactColor::OVERFLOW as usize + 1;
 
 impl ContactConstraints {
-    /// Lays out the contacts of a group, with room for extras.
+    /// Lays out the contacts of a group, with room for extras; as they are where nothing of that is
+    /// other than it was.
     pub(crate) fn lay_out(
         &mut self,
         all: &[ContactRecord],
@@ -121,6 +134,10 @@ impl ContactConstraints {
         bodies: &SolverBodies,
         extras: Extras,
     ) {
+        if self.laid_out.is_known((all, contacts), bodies, extras) {
+            return;
+        }
+        self.laid_out.set((all, contacts), bodies, extras);
         let ends = self.sort(all, contacts, bodies.first_non_dynamic());
         let Self { order, ones, fours, colors, row_colors, .. } = self;
         colors.clear();
@@ -172,7 +189,7 @@ impl ContactConstraints {
             let overflows = color == ContactColor::OVERFLOW;
             let place = if overflows { 0 } else { color as usize + 1 };
             (usize::from(has_non_dynamic) * COLORS + place) * 2
-                + usize::from(overflows || all[contacts[index].number as usize].count() > 1)
+                + usize::from(overflows || has_more(all, &contacts[index]))
         };
         sort_into_buckets(contacts, kind, &mut self.order)
     }
@@ -272,6 +289,33 @@ impl ContactConstraints {
         dispatch_in_blocks(&mut StoreImpulses { blocks: ones.blocks(&all_ones), contacts });
         dispatch_in_blocks(&mut StoreImpulses { blocks: fours.blocks(&all_fours), contacts });
     }
+}
+
+impl LaidOut {
+    /// Whether these contacts are laid out.
+    fn is_known(
+        &self,
+        (all, contacts): (&[ContactRecord], &[GroupContact]),
+        bodies: &SolverBodies,
+        extras: Extras,
+    ) -> bool {
+        let has_locks = self.has_locks || !bodies.locked.is_empty();
+        let is_same = (self.first_non_dynamic, self.extras) == (bodies.first_non_dynamic(), extras);
+        let now = contacts.iter().map(|contact| (*contact, has_more(all, contact)));
+        !has_locks && is_same && now.eq(self.contacts.iter().copied())
+    }
+
+    fn set(&mut self, (all, contacts): (&[ContactRecord], &[GroupContact]), bodies: &SolverBodies, extras: Extras) {
+        self.has_locks = !bodies.locked.is_empty();
+        (self.first_non_dynamic, self.extras) = (bodies.first_non_dynamic(), extras);
+        self.contacts.clear();
+        self.contacts.extend(contacts.iter().map(|contact| (*contact, has_more(all, contact))));
+    }
+}
+
+/// Whether a contact has more than one point.
+fn has_more(all: &[ContactRecord], contact: &GroupContact) -> bool {
+    all[contact.number as usize].count() > 1
 }
 
 impl<const P: usize, const C: usize> BlockSheet<P, C> {

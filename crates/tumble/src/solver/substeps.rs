@@ -48,7 +48,7 @@ pub(crate) struct SolverGroup {
 }
 
 /// A contact of a group.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) struct GroupContact {
     /// Its number among all.
     pub(crate) number: u32,

@@ -28,14 +28,14 @@ impl Block for __m256 {
     }
 
     #[inline(always)]
-    unsafe fn store4(numbers: [Self; 4], base: *mut Real, stride: usize) {
+    unsafe fn store4(numbers: [Self; 4], row: impl Fn(usize) -> *mut Real) {
         // SAFETY: the caller's promise.
         unsafe {
             let rows = transpose_256(numbers);
             let mut i = 0;
             while i < 4 {
-                _mm_storeu_ps(base.add(i * stride), _mm256_castps256_ps128(rows[i]));
-                _mm_storeu_ps(base.add((i + 4) * stride), _mm256_extractf128_ps::<1>(rows[i]));
+                _mm_storeu_ps(row(i), _mm256_castps256_ps128(rows[i]));
+                _mm_storeu_ps(row(i + 4), _mm256_extractf128_ps::<1>(rows[i]));
                 i += 1;
             }
         }
@@ -84,14 +84,14 @@ impl Block for __m256d {
     }
 
     #[inline(always)]
-    unsafe fn store4(numbers: [Self; 4], base: *mut Real, stride: usize) {
+    unsafe fn store4(numbers: [Self; 4], row: impl Fn(usize) -> *mut Real) {
         // SAFETY: the caller's promise.
         unsafe {
             let rows = transpose_256d(numbers);
-            _mm256_storeu_pd(base, rows[0]);
-            _mm256_storeu_pd(base.add(stride), rows[1]);
-            _mm256_storeu_pd(base.add(2 * stride), rows[2]);
-            _mm256_storeu_pd(base.add(3 * stride), rows[3]);
+            _mm256_storeu_pd(row(0), rows[0]);
+            _mm256_storeu_pd(row(1), rows[1]);
+            _mm256_storeu_pd(row(2), rows[2]);
+            _mm256_storeu_pd(row(3), rows[3]);
         }
     }
 }

@@ -4,7 +4,7 @@ use tumble_math::lane::{Quat, Vec3};
 
 use crate::integrators::derived::symmetric_product;
 use crate::simd::block_lanes::vector_at;
-use crate::simd::{BLOCK, Rows, Tile, gather};
+use crate::simd::{Rows, Tile};
 use crate::solver::body_rows::{BodyMotion, DeltaPose, WarmStartImpulse, WorldInverseInertia};
 use crate::solver::contact::constraint::Block;
 use crate::solver::contact::effective_mass::Mobility;
@@ -75,9 +75,7 @@ pub(crate) struct DeltaPoses<T> {
 
 impl<T: Tile> DeltaPoses<T> {
     #[inline(always)]
-    pub(crate) fn load(delta_pose: &[DeltaPose], rows: &[[u32; BLOCK]; 2], lane: usize) -> Self {
-        let first = gather::<T, _>(delta_pose, &rows[0], lane);
-        let second = gather::<T, _>(delta_pose, &rows[1], lane);
+    pub(crate) fn new([first, second]: [DeltaPose<T>; 2]) -> Self {
         Self {
             linear: [first.translation, second.translation],
             rotation: [first.rotation, second.rotation],
@@ -301,9 +299,7 @@ pub(crate) struct InverseInertias<T> {
 
 impl<T: Tile> InverseInertias<T> {
     #[inline(always)]
-    pub(crate) fn load(inv_inertia: &[WorldInverseInertia], indices: &[[u32; BLOCK]; 2], lane: usize) -> Self {
-        let first = gather::<T, _>(inv_inertia, &indices[0], lane);
-        let second = gather::<T, _>(inv_inertia, &indices[1], lane);
+    pub(crate) fn new([first, second]: [WorldInverseInertia<T>; 2]) -> Self {
         let off_diagonal = [first.off_diagonal, second.off_diagonal];
         Self { diagonal: [first.diagonal, second.diagonal], off_diagonal }
     }

@@ -7,7 +7,6 @@ use tumble_math::lane::Vec3;
 use crate::collision::contact::ContactRecord;
 use crate::collision::round_contact::RoundContact;
 use crate::math::Real;
-use crate::simd::BLOCK;
 use crate::simd::block_lanes::{put, put_vector};
 use crate::solver::body_rows::DeltaPose;
 use crate::solver::contact::constraint::{Block, Rolling};
@@ -119,9 +118,9 @@ pub(crate) fn write<const P: usize, const C: usize>(
     let friction = FrictionImpulse::from_world(&frame, friction.linear(&before), friction.angular(&before));
     friction.store(&mut block.friction, rolling, lane);
 
-    let rows = rows.map(|row| [row.0; BLOCK]);
+    let deltas = DeltaPoses::<Real>::new(rows.map(|row| delta_pose[row.index()]));
     let apart = Vec3::new(block.start.apart[0][lane], block.start.apart[1][lane], block.start.apart[2][lane]);
-    let way = frame.normal_parts(&DeltaPoses::<Real>::load(delta_pose, &rows, 0).relative([middle + apart, middle]));
+    let way = frame.normal_parts(&deltas.relative([middle + apart, middle]));
     for (j, place) in places.into_iter().enumerate() {
         // A point that is not there any more still has the impulse that it gave.
         let from_middle = now[j] - middle;

@@ -86,14 +86,14 @@ impl StageBodies<'_> {
         lane: usize,
         locks: &'l [BlockLocks],
     ) -> (BodyLanes<'l, T>, InverseInertias<T>) {
-        let inv_inertia = InverseInertias::load(self.inv_inertia, self.motion.pairs(index), lane);
+        let inv_inertia = InverseInertias::new(self.motion.gather_beside(self.inv_inertia, index, lane));
         (BodyLanes::load(&self.motion, index, lane, locks), inv_inertia)
     }
 
     /// How those of a tile have moved since the step began.
     #[inline(always)]
     pub(crate) fn delta_poses<T: Tile>(&self, index: usize, lane: usize) -> DeltaPoses<T> {
-        DeltaPoses::load(self.delta_pose, self.motion.pairs(index), lane)
+        DeltaPoses::new(self.motion.gather_beside(self.delta_pose, index, lane))
     }
 
     /// Those of the first `middle` blocks, and of the others.

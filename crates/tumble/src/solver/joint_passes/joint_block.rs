@@ -1,7 +1,9 @@
 //! Joints in SIMD blocks: balls, hinges and welds.
 
+use crate::math::real;
 use crate::simd::BLOCK;
 use crate::simd::block_lanes::Lanes;
+use crate::solver::joint_passes::pass_stages::PassedJoint;
 
 /// Joints side by side that have no dynamic body in common, of `R` rows each, with the `M` numbers
 /// of the lower triangle of a matrix of these.
@@ -55,6 +57,20 @@ impl<const R: usize, const M: usize> JointBlock<R, M> {
         done: [[NONE; 3]; 2],
         count: 0,
     };
+}
+
+impl<const R: usize, const M: usize> JointBlock<R, M> {
+    /// Begins a step with the joints of these numbers; lanes without one have no impulse.
+    pub(super) fn fill(&mut self, numbers: &[u32; BLOCK], joints: &[PassedJoint]) {
+        (self.impulses, self.done) = ([NONE; R], [[NONE; 3]; 2]);
+        for (lane, number) in numbers[..self.count].iter().enumerate() {
+            let PassedJoint { anchors, impulses, .. } = &joints[*number as usize];
+            for (ours, anchor) in self.anchors.iter_mut().zip(anchors) {
+                ours.iter_mut().zip(anchor.position).for_each(|(lanes, it)| lanes[lane] = real(it));
+            }
+            self.impulses.iter_mut().zip(impulses).for_each(|(lanes, it)| lanes[lane] = *it);
+        }
+    }
 }
 
 impl BlockRotations {

@@ -2,24 +2,32 @@
 
 use std::ops::Range;
 
+use rayon::prelude::*;
 use tumble_math::lane::Vec3;
 
 use crate::joints::held_impulses::RowImpulses;
 use crate::math::{Real, real};
+use crate::simd::BLOCK;
 use crate::solver::joint_passes::joint_block::{BlockRotations, JointBlock};
 use crate::solver::joint_passes::pass_joints::JointBlocks;
-use crate::solver::mechanism::joint_rows::Anchor;
+use crate::solver::joint_passes::pass_stages::PassedJoint;
+use crate::threads::InParts;
 
 /// Blocks of joints of `R` rows, and the rotations that they lock.
 #[derive(Clone)]
 pub(super) struct JointSheet<const R: usize, const M: usize> {
     blocks: Vec<JointBlock<R, M>>,
     rotations: Vec<BlockRotations>,
+    /// By block, the numbers of its joints.
+    numbers: Vec<[u32; BLOCK]>,
 }
+
+/// Blocks that one thread fills at a time.
+const PART: usize = 64;
 
 impl<const R: usize, const M: usize> Default for JointSheet<R, M> {
     fn default() -> Self {
-        Self { blocks: Vec::new(), rotations: Vec::new() }
+        Self { blocks: Vec::new(), rotations: Vec::new(), numbers: Vec::new() }
     }
 }
 
@@ -27,6 +35,7 @@ impl<const R: usize, const M: usize> JointSheet<R, M> {
     pub(super) fn clear(&mut self) {
         self.blocks.clear();
         self.rotations.clear();
+        self.numbers.clear();
     }
 
     /// How many blocks.
@@ -34,30 +43,33 @@ impl<const R: usize, const M: usize> JointSheet<R, M> {
         self.blocks.len()
     }
 
-    /// Begins a block.
-    pub(super) fn begin_block(&mut self) {
-        self.blocks.push(JointBlock::EMPTY);
+    /// Adds a block of these joints, each in the next lane.
+    pub(super) fn push(&mut self, joints: &[u32]) {
+        self.blocks.push(JointBlock { count: joints.len(), ..JointBlock::EMPTY });
         if R > 3 {
             self.rotations.push(BlockRotations::EMPTY);
         }
+        let mut numbers = [0; BLOCK];
+        numbers[..joints.len()].copy_from_slice(joints);
+        self.numbers.push(numbers);
     }
 
-    /// Adds a joint to the last block: its frames along the axes of its bodies, and its impulses.
-    /// Returns its lane.
-    pub(super) fn push(&mut self, anchors: &[Anchor; 2], impulses: &RowImpulses) -> usize {
-        let Some(block) = self.blocks.last_mut() else { return 0 };
-        let lane = block.count;
-        block.count += 1;
-        for (end, anchor) in anchors.iter().enumerate() {
-            let of_block = block.anchors[end].iter_mut().zip(anchor.position);
-            of_block.for_each(|(lanes, number)| lanes[lane] = real(number));
-            if let Some(rotations) = self.rotations.last_mut() {
-                let of_block = rotations.frames[end].iter_mut().zip(anchor.orientation);
-                of_block.for_each(|(lanes, number)| lanes[lane] = real(number));
+    /// Begins a step: with the frames of joints along the axes of their bodies, their impulses, and
+    /// nothing done.
+    pub(super) fn fill(&mut self, joints: &[PassedJoint]) {
+        let Self { blocks, rotations, numbers } = self;
+        let parts = blocks.par_chunks_mut(PART).zip(numbers.par_chunks(PART));
+        parts.by_at_least(1).for_each(|(blocks, numbers)| {
+            blocks.iter_mut().zip(numbers).for_each(|(block, numbers)| block.fill(numbers, joints));
+        });
+        // There is one for each block, or none.
+        for ((rotations, block), numbers) in rotations.iter_mut().zip(&*blocks).zip(&*numbers) {
+            for (lane, number) in numbers[..block.count].iter().enumerate() {
+                for (frame, anchor) in rotations.frames.iter_mut().zip(&joints[*number as usize].anchors) {
+                    frame.iter_mut().zip(anchor.orientation).for_each(|(lanes, it)| lanes[lane] = real(it));
+                }
             }
         }
-        block.impulses.iter_mut().zip(impulses).for_each(|(lanes, impulse)| lanes[lane] = *impulse);
-        lane
     }
 
     /// The impulses of a joint.

@@ -3,7 +3,7 @@
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::simd::block_lanes::{Lanes, at, put, put_vector, vector_at};
-use crate::simd::{BLOCK, Kernel, Tile, gather};
+use crate::simd::{BLOCK, Kernel, Tile};
 use crate::solver::block_parts::ColorBlocks;
 use crate::solver::body_rows::{BodyPose, WarmStartImpulse};
 use crate::solver::contact::contact_frame::{BodyLanes, DeltaPoses, InverseInertias};
@@ -59,9 +59,7 @@ impl<const R: usize, const M: usize> Kernel for PrepareJoints<'_, R, M> {
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &mut self.blocks.blocks[index];
-        let rows = *self.bodies.motion.pairs(index);
-        let first = gather::<T, _>(self.poses, &rows[0], lane);
-        let second = gather::<T, _>(self.poses, &rows[1], lane);
+        let [first, second] = self.bodies.motion.gather_beside::<T, _>(self.poses, index, lane);
         put_vector(second.center - first.center, &mut block.between, lane);
         let orientations = [first.orientation, second.orientation];
         let mut end = 0;

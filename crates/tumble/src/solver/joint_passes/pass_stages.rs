@@ -33,6 +33,9 @@ pub(crate) struct JointPasses {
     order: Vec<u32>,
     /// By joint, its block among those of its kind, and its lane there.
     places: Vec<(usize, usize)>,
+    /// What was laid out: while this is the same the layout is kept.
+    laid_out: Vec<([SolverRow; 2], JointKind)>,
+    first_non_dynamic: usize,
     balls: JointSheet<3, 6>,
     hinges: JointSheet<5, 15>,
     welds: JointSheet<6, 21>,
@@ -53,8 +56,8 @@ pub(crate) struct PassedJoint {
     rows: [SolverRow; 2],
     /// Whether the second of its bodies comes first here.
     is_swapped: bool,
-    anchors: [Anchor; 2],
-    impulses: RowImpulses,
+    pub(super) anchors: [Anchor; 2],
+    pub(super) impulses: RowImpulses,
 }
 
 /// How many rotations a joint locks.
@@ -199,10 +202,25 @@ impl JointPasses {
         })
     }
 
-    /// Lays out the joints: by color, those between dynamic bodies first; in each color by kind.
+    /// Lays out the joints, where they are others than were laid out, and fills their blocks.
     fn lay_out(&mut self, bodies: &SolverBodies) {
+        let now = || self.joints.iter().map(|joint| (joint.rows, joint.kind));
+        let is_kept = self.first_non_dynamic == bodies.first_non_dynamic() && now().eq(self.laid_out.iter().copied());
+        if !is_kept {
+            self.laid_out = now().collect();
+            self.first_non_dynamic = bodies.first_non_dynamic();
+            self.color();
+        }
+        let Self { joints, balls, hinges, welds, .. } = self;
+        balls.fill(joints);
+        hinges.fill(joints);
+        welds.fill(joints);
+    }
+
+    /// Orders the joints by color, those between dynamic bodies first, and in each color by kind.
+    fn color(&mut self) {
         let Self { joints, coloring, numbers, order, places, balls, hinges, welds, colors, row_colors, .. } = self;
-        coloring.color(joints.iter().map(|joint| joint.rows), bodies.first_non_dynamic());
+        coloring.color(joints.iter().map(|joint| joint.rows), self.first_non_dynamic);
         let color = |number: u32| {
             let ContactColor { has_non_dynamic, index } = coloring.colors()[number as usize];
             usize::from(has_non_dynamic) * COLORS / 2 + index as usize
@@ -217,7 +235,7 @@ impl JointPasses {
         hinges.clear();
         welds.clear();
         colors.clear();
-        row_colors.reset(bodies.first_non_dynamic());
+        row_colors.reset(self.first_non_dynamic);
         for of_color in order.chunk_by(|a, b| color(*a) == color(*b)) {
             let color = color(of_color[0]);
             // Those without a color are solved one by one.
@@ -229,9 +247,9 @@ impl JointPasses {
                     for of_block in of_kind.chunks(BLOCK) {
                         row_colors.push(of_block.iter().map(|number| joints[*number as usize].rows.map(|row| row.0)));
                         match joints[of_block[0] as usize].kind {
-                            JointKind::Ball => fill(balls, (of_block, joints), places),
-                            JointKind::Hinge => fill(hinges, (of_block, joints), places),
-                            JointKind::Weld => fill(welds, (of_block, joints), places),
+                            JointKind::Ball => push(balls, of_block, places),
+                            JointKind::Hinge => push(hinges, of_block, places),
+                            JointKind::Weld => push(welds, of_block, places),
                         }
                     }
                 }
@@ -264,18 +282,10 @@ impl JointPasses {
     }
 }
 
-/// Fills a block with joints, and notes where they are.
-fn fill<const R: usize, const M: usize>(
-    sheet: &mut JointSheet<R, M>,
-    (of_block, joints): (&[u32], &[PassedJoint]),
-    places: &mut [(usize, usize)],
-) {
-    sheet.begin_block();
-    for number in of_block {
-        let joint = &joints[*number as usize];
-        let lane = sheet.push(&joint.anchors, &joint.impulses);
-        places[*number as usize] = (sheet.len() - 1, lane);
-    }
+/// Adds a block of joints, and notes where they are.
+fn push<const R: usize, const M: usize>(sheet: &mut JointSheet<R, M>, of_block: &[u32], places: &mut [(usize, usize)]) {
+    of_block.iter().enumerate().for_each(|(lane, number)| places[*number as usize] = (sheet.len(), lane));
+    sheet.push(of_block);
 }
 
 /// A stage, run on all joints.
