@@ -20,7 +20,7 @@ use hecs::World;
 use rayon::ThreadPool;
 use tumble::math::PRECISION;
 use tumble::{Settings, Simulation, simd_name};
-use tumble_benches::{pool, tumbling_boxes};
+use tumble_benches::{Arguments, pool, tumbling_boxes};
 
 use crate::body_step::{Traffic, operations};
 use crate::counted::Operations;
@@ -28,6 +28,8 @@ use crate::machine::{Arithmetic, Effort, arithmetic, copy_bandwidth, update_band
 
 /// Bodies whose operations are counted: enough that their mean is good to a percent.
 const COUNTED: usize = 2_000;
+
+const NAME: &str = "roofline";
 
 const COLUMNS: &str = "\
 | bodies | memory [MB] | copy [GB/s] | update [GB/s] | by copy [ns] | by update [ns] | arithmetic [ns] | step [ns] \
@@ -49,12 +51,14 @@ const LEGEND: &str = "
 ";
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    if arguments.iter().any(|argument| !argument.starts_with('-') && !"roofline".contains(argument.as_str())) {
-        // Another bench was asked for.
+    let arguments = Arguments::of_program();
+    if arguments.is_list {
+        arguments.print_list(&[NAME]);
+    }
+    if arguments.is_list || !arguments.select(NAME) {
         return Ok(());
     }
-    let testing = arguments.iter().any(|argument| argument == "--test");
+    let testing = arguments.is_test;
     let effort = if testing { Effort { block: 1e-4, blocks: 1 } } else { Effort { block: 0.03, blocks: 9 } };
     let sizes: &[usize] = if testing { &[1_000] } else { &[1_000, 10_000, 100_000, 1_000_000] };
 
