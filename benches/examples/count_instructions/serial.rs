@@ -1,9 +1,9 @@
 //! Which part of a step's instructions threads do not share, and how many times a step they meet.
 //!
-//! A part of a step that threads share is entered through rayon's `bridge_producer_consumer` or
-//! `join_context`; callgrind's record of calls says how many instructions are below them and how
-//! many times they divided their work. A step of one thread has the share, one of two threads the
-//! meetings, since what is divided depends on the threads that there are.
+//! Threads share what is below rayon's `join_context`. Callgrind's record of calls says how many
+//! instructions of a step are not, and how many times the thread that steps divides work: that is
+//! found with two threads, since what is divided depends on how many there are, and compared with
+//! what a step of one thread takes.
 
 use std::process::Command;
 
@@ -13,13 +13,14 @@ use crate::Failure;
 const SCENES: [(&str, u32); 3] = [("large-pyramid", 5), ("pyramid", 5), ("balls", 90)];
 const COUNTED: u32 = 5;
 
-/// What callgrind found in a whole run.
+/// What callgrind found of the thread that steps, in a whole run.
 #[derive(Clone, Copy, Default)]
 struct Found {
-    instructions: f64,
-    /// Below rayon's functions.
-    shared: f64,
-    /// How many times work was divided among threads that was not a part of other such work.
+    /// Instructions in steps.
+    steps: f64,
+    /// Of these, those in which work is divided.
+    divided: f64,
+    /// How many times work was divided that was not a part of other such work.
     meetings: f64,
 }
 
@@ -27,13 +28,14 @@ struct Found {
 pub(crate) fn print() -> Result<(), Failure> {
     println!("| scene | instructions a step, AVX2 | not shared | meetings a step |\n|---|---|---|---|");
     for (scene, short) in SCENES {
-        let of_steps = |threads| -> Result<[f64; 3], Failure> {
+        let of_step = |threads| -> Result<Found, Failure> {
             let (short, long) = (run(scene, short, threads)?, run(scene, short + COUNTED, threads)?);
-            let [a, b] = [short, long].map(|it| [it.instructions, it.shared, it.meetings]);
-            Ok(std::array::from_fn(|i| (b[i] - a[i]) / f64::from(COUNTED)))
+            let mean = |of: fn(&Found) -> f64| (of(&long) - of(&short)) / f64::from(COUNTED);
+            Ok(Found { steps: mean(|it| it.steps), divided: mean(|it| it.divided), meetings: mean(|it| it.meetings) })
         };
-        let ([all, shared, _], [.., meetings]) = (of_steps(1)?, of_steps(2)?);
-        println!("| {scene} | {all:.0} | {:.1} % | {meetings:.1} |", 100.0 * (1.0 - shared / all));
+        let (alone, two) = (of_step(1)?, of_step(2)?);
+        let (all, serial) = (alone.steps, two.steps - two.divided);
+        println!("| {scene} | {all:.0} | {:.1} % | {:.1} |", 100.0 * serial / all, two.meetings);
     }
     Ok(())
 }
@@ -41,7 +43,13 @@ pub(crate) fn print() -> Result<(), Failure> {
 fn run(scene: &str, steps: u32, threads: u32) -> Result<Found, Failure> {
     let record = std::env::temp_dir().join(format!("tumble-calls-{}-{steps}-{threads}", std::process::id()));
     let output = Command::new("valgrind")
-        .args(["--tool=callgrind", "--compress-strings=no", "--compress-pos=no", "--separate-recs=2"])
+        .args([
+            "--tool=callgrind",
+            "--compress-strings=no",
+            "--compress-pos=no",
+            "--separate-recs=2",
+            "--separate-threads=yes",
+        ])
         .arg(format!("--callgrind-out-file={}", record.display()))
         .arg(std::env::current_exe()?)
         .args(["step", scene, &steps.to_string(), &threads.to_string()])
@@ -51,22 +59,19 @@ fn run(scene: &str, steps: u32, threads: u32) -> Result<Found, Failure> {
     if !output.status.success() {
         return Err(format!("valgrind failed:\n{}", String::from_utf8_lossy(&output.stderr)).into());
     }
-    let text = std::fs::read_to_string(&record)?;
-    std::fs::remove_file(&record)?;
+    // A file for each thread, of which the first is the one that steps.
+    let file = |thread: u32| format!("{}-{thread:02}", record.display());
+    let text = std::fs::read_to_string(file(1))?;
+    (1..=threads).try_for_each(|thread| std::fs::remove_file(file(thread)))?;
     read(&text)
-}
-
-/// Whether a function is rayon's way of dividing work, or of running a part of it.
-fn divides(name: &str) -> bool {
-    ["bridge_producer_consumer", "join_context", "StackJob"].iter().any(|part| name.contains(part))
 }
 
 /// Whether a call divides work that is not a part of other work: callgrind marks the names of
 /// functions that are called from within themselves.
 fn is_meeting(caller: &str, callee: &str) -> bool {
     let is_outermost = |name: &str| !name.ends_with("'2");
-    let from_outside = caller.contains("bridge_producer_consumer") && is_outermost(caller) || !divides(caller);
-    callee.contains("join_context") && is_outermost(callee) && from_outside
+    let of_rayon = |name: &str| ["join_context", "StackJob"].iter().any(|part| name.contains(part));
+    callee.contains("join_context") && [caller, callee].into_iter().all(is_outermost) && !of_rayon(caller)
 }
 
 fn read(text: &str) -> Result<Found, Failure> {
@@ -79,15 +84,14 @@ fn read(text: &str) -> Result<Found, Failure> {
             callee = name;
         } else if let Some(call) = line.strip_prefix("calls=") {
             calls = call.split(' ').next().and_then(|number| number.parse::<f64>().ok());
-        } else if let Some(total) = line.strip_prefix("totals: ") {
-            found.instructions = total.trim().parse()?;
         } else if let Some(times) = calls.take() {
             // The position of the call and what it cost.
             let cost: f64 = line.rsplit(' ').next().unwrap_or_default().parse()?;
-            if divides(callee) && !divides(caller) {
-                found.shared += cost;
+            if callee.ends_with("Simulation::step") {
+                found.steps += cost;
             }
             if is_meeting(caller, callee) {
+                found.divided += cost;
                 found.meetings += times;
             }
         }
