@@ -100,7 +100,8 @@ fn bench_snapshots(group: &mut BenchmarkGroup<'_, WallTime>, name: &str, made: f
 }
 
 fn snapshots(criterion: &mut Criterion) {
-    let scenes: [(&str, fn() -> World); 2] = [("one kind", spheres), ("every kind", || mixed_bodies(BODIES as usize))];
+    type Scene = (&'static str, fn() -> World);
+    let scenes: [Scene; 2] = [("one kind", spheres), ("every kind", || mixed_bodies(BODIES as usize))];
     for (name, made) in scenes {
         let mut group = criterion.benchmark_group("snapshots");
         group.throughput(Throughput::Elements(BODIES));

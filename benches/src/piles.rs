@@ -81,6 +81,9 @@ pub fn eight_boxes(index: u64) -> World {
 
 /// `count` boxes, balls and pills of 1 kg and half a metre, a metre apart in a square, about to fall
 /// on ground with a height of its own, up to 0.3 m, at every metre.
+///
+/// # Panics
+/// Never: ground and bodies are possible.
 #[allow(clippy::expect_used, reason = "the ground made here is possible")]
 pub fn bodies_on_hills(count: u32) -> World {
     let side = f64::from(count).sqrt().ceil() as u32;
