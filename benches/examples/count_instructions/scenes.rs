@@ -32,8 +32,8 @@ pub(crate) const COUPLED: [(&str, u32, u32); 13] = [
 const RAYS: u32 = 256;
 /// Bodies of which queries find out that none has moved.
 const UNMOVED: u32 = 10_000;
-/// A world of one free body, and how many of its steps count as one: of a single one little would be
-/// seen beside what else the program does.
+/// A world of one free body, and how many of its steps count as one: a single one would be little
+/// beside what else the program does.
 const ONE_BODY: &str = "one-body";
 const ONE_BODY_STEPS: u32 = 1000;
 /// Of 23 capsules.
