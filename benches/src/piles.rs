@@ -1,5 +1,5 @@
-//! Benchmark scenes with contacts: a pyramid of boxes, falling balls, worlds of eight boxes, bodies on
-//! hills.
+//! Benchmark scenes with contacts: a pyramid of boxes, falling balls, worlds of eight boxes, bodies
+//! on hills.
 
 use hecs::World;
 use tumble::math::{Real, Vec3};
@@ -79,8 +79,8 @@ pub fn eight_boxes(index: u64) -> World {
     world
 }
 
-/// `count` boxes, balls and pills of 1 kg and half a metre, a metre apart in a square, about to fall
-/// on ground with a height of its own, up to 0.3 m, at every metre.
+/// `count` boxes, balls and pills of 1 kg and half a metre, a metre apart in a square, about to
+/// fall on ground with a height of its own, up to 0.3 m, at every metre.
 ///
 /// # Panics
 /// Never: ground and bodies are possible.
