@@ -33,8 +33,8 @@ const NAME: &str = "roofline";
 
 const COLUMNS: &str = "\
 | bodies | memory [MB] | copy [GB/s] | update [GB/s] | by copy [ns] | by update [ns] | arithmetic [ns] | step [ns] \
-| of copy | of limit |
-|---|---|---|---|---|---|---|---|---|---|";
+| step [M/s] | of copy | of limit |
+|---|---|---|---|---|---|---|---|---|---|---|---|";
 
 /// What the columns of the table are.
 const LEGEND: &str = "
@@ -45,7 +45,7 @@ const LEGEND: &str = "
   by update   the same at that of updating; what a step does is nearer to this, since it writes where it reads
   arithmetic  the least time for its operations: additions and multiplications, or divisions and roots, whichever takes longer;
               comparisons and selections are left out
-  step        the time of a body-step, the median of blocks
+  step        the time of a body-step, the median of blocks, and how many million of them that is a second
   of copy     by copy over step: what a step reaches of the bandwidth of copying
   of limit    the largest least time over step: at the bandwidth that is the larger, or of the arithmetic
 ";
@@ -80,7 +80,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         let pull = gravity::operations();
         println!("\ngravity among bodies, of a pull: {} + - x, {} / sqrt\n", pull.simple, pull.slow);
-        println!("| bodies | + - x [ns] | / sqrt [ns] | step by pull [ns] | of limit |\n|---|---|---|---|---|");
+        println!(
+            "| bodies | + - x [ns] | / sqrt [ns] | step by pull [ns] | [M/s] | of limit |\n|---|---|---|---|---|---|"
+        );
         for bodies in if testing { [64, 64, 64] } else { [256, 1024, 4096] } {
             gravity::print_row(bodies, pull, rates, &pool, effort)?;
         }
@@ -137,7 +139,7 @@ fn print_row(
     let (of_copy, of_limit) = (100.0 * by_copy / step, 100.0 * by_copy.min(by_update).max(arithmetic) / step);
     let (memory, copy, update) = (working_set as f64 * 1e-6, copy * 1e-9, update * 1e-9);
     print!("| {size} | {memory:.2} | {copy:.1} | {update:.1} | {by_copy:.2} | {by_update:.2} | {arithmetic:.2} ");
-    println!("| {step:.2} | {of_copy:.0} % | {of_limit:.0} % |");
+    println!("| {step:.2} | {:.1} | {of_copy:.0} % | {of_limit:.0} % |", 1e3 / step);
     Ok(())
 }
 
