@@ -12,7 +12,7 @@ use criterion::{BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput
 use hecs::World;
 use rayon::ThreadPool;
 use tumble::{Batch, RigidBody, Rng, Settings, Shape, Trial};
-use tumble_benches::{label, pools};
+use tumble_benches::{OnDemand, label, pools};
 
 const STEPS: u32 = 120;
 
@@ -41,12 +41,15 @@ fn batch(worlds: usize, bodies: usize) -> Option<Batch> {
 
 /// One batch on one and on two threads.
 fn measure(group: &mut BenchmarkGroup<'_, WallTime>, pools: &[ThreadPool], worlds: usize, bodies: usize) {
-    let Some(mut batch) = batch(worlds, bodies) else { return };
+    let mut made = OnDemand::new(|| batch(worlds, bodies));
     let steps = if worlds * bodies > MANY_BODIES { STEPS_OF_MANY } else { STEPS };
     group.throughput(Throughput::Elements((worlds * bodies) as u64 * u64::from(steps)));
     for pool in pools {
         let id = BenchmarkId::new(label(pool), format!("{worlds} worlds x {bodies}"));
-        group.bench_function(id, |bencher| pool.install(|| bencher.iter(|| batch.step_many(steps))));
+        group.bench_function(id, |bencher| {
+            let Some(batch) = made.get() else { return };
+            pool.install(|| bencher.iter(|| batch.step_many(steps)));
+        });
     }
 }
 

@@ -17,6 +17,7 @@ use std::time::{Duration, Instant};
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use tumble::Rng;
+use tumble_benches::OnDemand;
 use tumble_collide::{Aabb, BroadPhase, Proxy};
 use tumble_math::lane::Vec3;
 
@@ -92,10 +93,11 @@ fn motions(criterion: &mut Criterion) {
     for (name, motion) in [("falling", Motion::Falling), ("mixing", Motion::Mixing), ("at rest", Motion::AtRest)] {
         let mut group = criterion.benchmark_group(name);
         for size in SIZES {
-            let mut pile = Pile::new(size, motion);
+            let mut pile = OnDemand::new(|| Pile::new(size, motion));
             let mut broad_phase = BroadPhase::default();
             group.throughput(Throughput::Elements(size as u64));
             group.bench_function(BenchmarkId::from_parameter(size), |bencher| {
+                let pile = pile.get();
                 bencher.iter_custom(|count| {
                     let mut spent = Duration::ZERO;
                     for _ in 0..count {
@@ -114,10 +116,11 @@ fn motions(criterion: &mut Criterion) {
 fn from_nothing(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("from nothing");
     for size in SIZES {
-        let pile = Pile::new(size, Motion::AtRest);
+        let mut pile = OnDemand::new(|| Pile::new(size, Motion::AtRest));
         let mut broad_phase = BroadPhase::default();
         group.throughput(Throughput::Elements(size as u64));
         group.bench_function(BenchmarkId::from_parameter(size), |bencher| {
+            let pile = pile.get();
             bencher.iter(|| {
                 broad_phase.reset();
                 broad_phase.update(&pile.proxies, |_, _| true).len()

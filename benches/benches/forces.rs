@@ -13,7 +13,7 @@ use hecs::{Entity, World};
 use tumble::lane::Lane;
 use tumble::prelude::*;
 use tumble::{SimdBody, SimdForceLaw, SimdWrench};
-use tumble_benches::{attracting_points, label, net_of_springs, pools, tumbling_boxes};
+use tumble_benches::{OnDemand, attracting_points, label, net_of_springs, pools, tumbling_boxes};
 
 const BODIES: usize = 10_000;
 
@@ -83,24 +83,28 @@ fn components(criterion: &mut Criterion) {
     for (kind, equip) in KINDS {
         for integrator in Integrator::ALL {
             // Gone back to before every bench: bodies that Euler's method has spun up take longer.
-            let mut world = tumbling_boxes(BODIES);
-            for body in entities(&world) {
-                assert!(equip(&mut world, body).is_ok());
-            }
+            let mut world = OnDemand::new(|| equipped_boxes(equip));
             let Ok(mut simulation) = Simulation::new(Settings::default().with_integrator(integrator)) else { return };
             simulation.add_law::<OneByOne>();
             simulation.add_simd_law::<Tether, 1>();
             for pool in &pools {
                 group.bench_function(BenchmarkId::new(kind, format!("{integrator}/{}", label(pool))), |bencher| {
-                    pool.install(|| bencher.iter(|| simulation.step(&mut world)));
+                    let world = world.get();
+                    pool.install(|| bencher.iter(|| simulation.step(world)));
                 });
             }
         }
     }
 }
 
-fn entities(world: &World) -> Vec<Entity> {
-    world.iter().map(|entity| entity.entity()).collect()
+/// Boxes that all carry the same.
+fn equipped_boxes(equip: Equip) -> World {
+    let mut world = tumbling_boxes(BODIES);
+    let boxes: Vec<Entity> = world.iter().map(|entity| entity.entity()).collect();
+    for body in boxes {
+        assert!(equip(&mut world, body).is_ok());
+    }
+    world
 }
 
 /// A net of square meshes, of points: two springs a body.
@@ -108,12 +112,13 @@ fn springs(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("springs in a net");
     let pools = pools();
     for side in [10_usize, 32, 100] {
-        let mut world = net_of_springs(side);
+        let mut world = OnDemand::new(|| net_of_springs(side));
         let Ok(mut simulation) = Simulation::new(Settings::default()) else { return };
         group.throughput(Throughput::Elements((2 * side * (side - 1)) as u64));
         for pool in &pools {
             group.bench_function(BenchmarkId::new(label(pool), side * side), |bencher| {
-                pool.install(|| bencher.iter(|| simulation.step(&mut world)));
+                let world = world.get();
+                pool.install(|| bencher.iter(|| simulation.step(world)));
             });
         }
     }
@@ -125,13 +130,14 @@ fn gravity(criterion: &mut Criterion) {
     group.sample_size(10);
     let pools = pools();
     for count in [16_usize, 256, 1024, 4096] {
-        let mut world = attracting_points(count);
+        let mut world = OnDemand::new(|| attracting_points(count));
         let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(1e-3);
         let Ok(mut simulation) = Simulation::new(settings) else { return };
         group.throughput(Throughput::Elements((count * count) as u64));
         for pool in &pools {
             group.bench_function(BenchmarkId::new(label(pool), count), |bencher| {
-                pool.install(|| bencher.iter(|| simulation.step(&mut world)));
+                let world = world.get();
+                pool.install(|| bencher.iter(|| simulation.step(world)));
             });
         }
     }

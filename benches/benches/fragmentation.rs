@@ -9,7 +9,7 @@ mod setup;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use hecs::{Entity, World};
 use tumble::{Settings, Simulation};
-use tumble_benches::{label, pools, tumbling_boxes};
+use tumble_benches::{OnDemand, label, pools, tumbling_boxes};
 
 const BODIES: usize = 10_000;
 
@@ -32,6 +32,7 @@ fn fragmented_boxes(archetypes: usize) -> World {
     for (i, entity) in boxes.into_iter().enumerate() {
         marks.iter().for_each(|mark| mark(&mut world, entity, i % archetypes));
     }
+    assert_eq!(world.archetypes().filter(|archetype| !archetype.is_empty()).count(), archetypes);
     world
 }
 
@@ -40,12 +41,12 @@ fn fragmentation(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("archetypes");
     group.throughput(Throughput::Elements(BODIES as u64));
     for archetypes in [1, 4, 16, 64, 256] {
-        let mut world = fragmented_boxes(archetypes);
-        assert_eq!(world.archetypes().filter(|archetype| !archetype.is_empty()).count(), archetypes);
+        let mut world = OnDemand::new(|| fragmented_boxes(archetypes));
         for pool in &pools {
             let Ok(mut simulation) = Simulation::new(Settings::default()) else { return };
             group.bench_function(BenchmarkId::new(label(pool), archetypes), |bencher| {
-                pool.install(|| bencher.iter(|| simulation.step(&mut world)));
+                let world = world.get();
+                pool.install(|| bencher.iter(|| simulation.step(world)));
             });
         }
     }

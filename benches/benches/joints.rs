@@ -11,69 +11,94 @@
 //! Under `--features f64` tumble is in double precision and Rapier, a crate of single precision, is
 //! not.
 
+#![allow(clippy::expect_used, reason = "a bench without what it measures is to fail")]
+
 mod setup;
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
 use hecs::World;
-use tumble::{Batch, Joint, Settings, Simulation, Trial};
-use tumble_benches::{JointKind, arm, bridge, chain, label, net, pendulums, pool, pools, ragdolls};
+use rayon::ThreadPool;
+use tumble::{Batch, Joint, Settings, Trial};
+use tumble_benches::{JointKind, OnDemand, arm, bridge, chain, label, net, pendulums, pool, pools, ragdolls};
 #[cfg(feature = "peers")]
 use tumble_benches::{RapierJoints, RapierWorld};
 
+/// The size of a scene, and how many joints it has.
+struct Size(usize, usize);
+
 /// The same scene in both engines; `with_multibody` where Rapier's take less than a second a step.
 #[cfg_attr(not(feature = "peers"), allow(unused_variables, reason = "there is no other engine"))]
-fn scene(group: &mut BenchmarkGroup<'_, WallTime>, size: usize, with_multibody: bool, made: impl Fn() -> World) {
+fn scene(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    Size(size, joints): Size,
+    with_multibody: bool,
+    made: impl Fn() -> World,
+) {
     let pool = pool(1);
-    let joints = made().query::<&Joint>().iter().count();
+    let made = || {
+        let world = made();
+        assert_eq!(world.query::<&Joint>().iter().count(), joints, "the throughput is in joints");
+        world
+    };
     group.throughput(Throughput::Elements(joints as u64));
-    for is_alone in [true, false] {
-        let threads = if is_alone { label(&pool) } else { "as called".to_owned() };
-        let mut run = |name: &str, step: &mut (dyn FnMut() + Send)| {
-            group.bench_function(BenchmarkId::new(format!("{name}/{threads}"), size), |bencher| {
-                if is_alone {
-                    pool.install(|| bencher.iter(&mut *step));
-                } else {
-                    bencher.iter(&mut *step);
-                }
-            });
-        };
-        let Ok(mut simulation) = Simulation::new(Settings::default()) else { return };
-        let mut world = made();
-        run("tumble", &mut || simulation.step(&mut world));
+    for pool in [Some(&pool), None] {
+        let ours = || Trial::new(Settings::default(), made()).expect("a possible world");
+        run(group, "tumble", size, pool, ours, |trial| trial.simulation.step(&mut trial.world));
         #[cfg(feature = "peers")]
         for (name, joints) in [("Rapier", RapierJoints::Impulse), ("Rapier multibody", RapierJoints::Multibody)] {
             if joints == RapierJoints::Multibody && !with_multibody {
                 continue;
             }
-            let Some(mut peer) = RapierWorld::new(&made(), simulation.settings(), joints) else { return };
-            run(name, &mut || peer.step());
+            let theirs = || RapierWorld::new(&made(), &Settings::default(), joints).expect("joints that Rapier has");
+            run(group, name, size, pool, theirs, RapierWorld::step);
         }
     }
+}
+
+/// Steps in a pool, or as a game calls.
+fn run<S: Send>(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    name: &str,
+    size: usize,
+    pool: Option<&ThreadPool>,
+    make: impl Fn() -> S,
+    step: fn(&mut S),
+) {
+    let threads = pool.map_or_else(|| "as called".to_owned(), label);
+    let mut made = OnDemand::new(make);
+    group.bench_function(BenchmarkId::new(format!("{name}/{threads}"), size), |bencher| {
+        let state = made.get();
+        match pool {
+            Some(pool) => pool.install(|| bencher.iter(|| step(state))),
+            None => bencher.iter(|| step(state)),
+        }
+    });
 }
 
 /// An element is a joint.
 fn chains(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("chain of balls");
     for links in [100, 1_000, 10_000] {
-        scene(&mut group, links, links == 100, || chain(links, JointKind::Ball));
+        scene(&mut group, Size(links, links), links == 100, || chain(links, JointKind::Ball));
     }
     group.finish();
     let mut group = criterion.benchmark_group("chain of hinges");
-    scene(&mut group, 100, true, || chain(100, JointKind::Hinge));
+    scene(&mut group, Size(100, 100), true, || chain(100, JointKind::Hinge));
 }
 
 /// Each of ten links.
 fn many_pendulums(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("pendulums");
-    scene(&mut group, 300, true, || pendulums(300));
+    scene(&mut group, Size(300, 3000), true, || pendulums(300));
 }
 
 /// Of planks between two fixed ends.
 fn bridges(criterion: &mut Criterion) {
-    for (name, kind) in [("bridge on balls", JointKind::Ball), ("bridge on hinges", JointKind::Hinge)] {
+    for (name, kind, joints) in [("bridge on balls", JointKind::Ball, 102), ("bridge on hinges", JointKind::Hinge, 51)]
+    {
         let mut group = criterion.benchmark_group(name);
-        scene(&mut group, 50, false, || bridge(50, kind));
+        scene(&mut group, Size(50, joints), false, || bridge(50, kind));
     }
 }
 
@@ -81,27 +106,31 @@ fn bridges(criterion: &mut Criterion) {
 fn nets(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("net of balls");
     group.sampling_mode(SamplingMode::Flat);
-    scene(&mut group, 30, false, || net(30));
+    scene(&mut group, Size(30, 2 * 30 * 29), false, || net(30));
 }
 
 /// Hinges with a drive and limits each.
 fn arms(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("arm with drives and limits");
-    scene(&mut group, 10, true, || arm(10));
+    scene(&mut group, Size(10, 10), true, || arm(10));
 }
 
 /// Arms of seven links in worlds of their own; an element is a substep of one.
 fn arms_in_a_batch(criterion: &mut Criterion) {
     const ARMS: u64 = 4096;
     let settings = Settings::default();
-    let trials = (0..ARMS).map_while(|_| Trial::new(settings, arm(7)).ok());
-    let mut batch: Batch = trials.collect();
+    let mut made = OnDemand::new(|| -> Batch {
+        (0..ARMS).map(|_| Trial::new(settings, arm(7)).expect("a possible world")).collect()
+    });
     let mut group = criterion.benchmark_group("arms of seven hinges in a batch");
     group.sampling_mode(SamplingMode::Flat);
     group.throughput(Throughput::Elements(ARMS * u64::from(settings.contact_substeps)));
     for pool in pools() {
         let id = BenchmarkId::new(label(&pool), ARMS);
-        group.bench_function(id, |bencher| pool.install(|| bencher.iter(|| batch.step_many(1))));
+        group.bench_function(id, |bencher| {
+            let batch = made.get();
+            pool.install(|| bencher.iter(|| batch.step_many(1)));
+        });
     }
 }
 
@@ -109,7 +138,7 @@ fn arms_in_a_batch(criterion: &mut Criterion) {
 fn heaps(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("heap of ragdolls");
     group.sampling_mode(SamplingMode::Flat);
-    scene(&mut group, 160, false, || ragdolls(160));
+    scene(&mut group, Size(160, 160 * 22), false, || ragdolls(160));
 }
 
 criterion_group! {

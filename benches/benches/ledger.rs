@@ -10,7 +10,7 @@ mod setup;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use hecs::World;
 use tumble::{BodyId, BodyOrder, Integrator, Ledger, Settings, Simulation, Totals};
-use tumble_benches::{mixed_moving_bodies, pool, tumbling_boxes};
+use tumble_benches::{OnDemand, mixed_moving_bodies, pool, tumbling_boxes};
 
 const BODIES: usize = 10_000;
 
@@ -23,16 +23,22 @@ const PREPARATIONS: [(&str, Prepare); 3] = [
     ("detached", |world, simulation| Ledger::attach(world, simulation).detach(world)),
 ];
 
+fn prepared_boxes(prepare: Prepare, simulation: &Simulation) -> World {
+    let mut world = tumbling_boxes(BODIES);
+    prepare(&mut world, simulation);
+    world
+}
+
 fn ledger(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("ledger");
     group.throughput(Throughput::Elements(BODIES as u64));
     for integrator in Integrator::ALL {
         for (name, prepare) in PREPARATIONS {
             let Ok(mut simulation) = Simulation::new(Settings::default().with_integrator(integrator)) else { return };
-            let mut world = tumbling_boxes(BODIES);
-            prepare(&mut world, &simulation);
+            let mut prepared: Option<World> = None;
             group.bench_function(BenchmarkId::new(integrator.name(), name), |bencher| {
-                bencher.iter(|| simulation.step(&mut world));
+                let world = prepared.get_or_insert_with(|| prepared_boxes(prepare, &simulation));
+                bencher.iter(|| simulation.step(world));
             });
         }
     }
@@ -53,23 +59,30 @@ fn scattered(mut world: World) -> World {
 fn sums(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("totals");
     group.throughput(Throughput::Elements(BODIES as u64));
-    let worlds = [
-        ("boxes", tumbling_boxes(BODIES)),
-        ("scattered-boxes", scattered(tumbling_boxes(BODIES))),
-        ("mixed", mixed_moving_bodies(BODIES)),
+    type Scene = (&'static str, fn() -> World);
+    let worlds: [Scene; 3] = [
+        ("boxes", || tumbling_boxes(BODIES)),
+        ("scattered-boxes", || scattered(tumbling_boxes(BODIES))),
+        ("mixed", || mixed_moving_bodies(BODIES)),
     ];
-    for (name, mut world) in worlds {
+    for (name, made) in worlds {
         let settings = Settings::default();
         let Ok(mut simulation) = Simulation::new(settings) else { return };
-        let order = BodyOrder::of(&world);
+        let mut ordered = OnDemand::new(|| {
+            let world = made();
+            let order = BodyOrder::of(&world);
+            (world, order)
+        });
         for threads in [1, 2] {
             let pool = pool(threads);
             let label = format!("{name}/{threads}");
             group.bench_function(BenchmarkId::new("sums", &label), |bencher| {
-                pool.install(|| bencher.iter(|| Totals::of(&world, &settings, &order)));
+                let (world, order) = &*ordered.get();
+                pool.install(|| bencher.iter(|| Totals::of(world, &settings, order)));
             });
             group.bench_function(BenchmarkId::new("step", &label), |bencher| {
-                pool.install(|| bencher.iter(|| simulation.step(&mut world)));
+                let (world, _) = ordered.get();
+                pool.install(|| bencher.iter(|| simulation.step(world)));
             });
         }
     }

@@ -27,9 +27,12 @@ use rapier3d::prelude as rapier;
 use rayon::ThreadPool;
 use tumble::math::{PRECISION, Quat, Real, Vec3};
 use tumble::{Batch, Inertia, Mass, Pose, Settings, Simulation, Trial, Velocity, simd_name};
-use tumble_benches::{in_pools_of_one, pool, tumbling_boxes};
+use tumble_benches::{Arguments, in_pools_of_one, pool, tumbling_boxes};
 
 const BODIES: usize = 10_000;
+/// Whether or not `-- worlds` is given, this is what lists and filters call it.
+const BOXES_NAME: &str = "peers/boxes";
+const WORLDS_NAME: &str = "peers/worlds";
 const ROUNDS: usize = 21;
 /// Steps in a block: Rapier takes tens of times as long.
 const STEPS: u32 = 200;
@@ -38,37 +41,49 @@ const RAPIER_STEPS: u32 = 10;
 const COMPARED: u32 = 10;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    if std::env::args().skip(1).any(|argument| argument == "worlds") {
-        return worlds();
+    let arguments = Arguments::of_program();
+    let number: Option<usize> = arguments.filters.iter().find_map(|filter| filter.parse().ok());
+    if arguments.is_list {
+        arguments.print_list(&[BOXES_NAME, WORLDS_NAME]);
+        return Ok(());
     }
-    let bodies = std::env::args().skip(1).find_map(|argument| argument.parse().ok()).unwrap_or(BODIES);
-    println!("{bodies} free boxes, dt 1/60 s, medians of {ROUNDS} interleaved blocks, ns per body-step");
+    if arguments.name("worlds") || arguments.name(WORLDS_NAME) {
+        return worlds(arguments.is_test);
+    }
+    if number.is_none() && !arguments.select(BOXES_NAME) {
+        return Ok(());
+    }
+    let (bodies, rounds) = if arguments.is_test { (100, 1) } else { (number.unwrap_or(BODIES), ROUNDS) };
+    println!("{bodies} free boxes, dt 1/60 s, medians of {rounds} interleaved blocks, ns per body-step");
     println!("tumble: moser-veselov, {PRECISION}, {}; Rapier: f32, parallel\n", simd_name());
-    println!("| threads | Rapier's iterations | tumble | Rapier | Rapier / tumble |");
-    println!("|---|---|---|---|---|");
+    println!(
+        "| threads | Rapier's iterations | tumble | Rapier | Rapier / tumble | tumble, million body-steps a second |"
+    );
+    println!("|---|---|---|---|---|---|");
     for threads in [1, 2] {
         let pool = pool(threads);
         for iterations in [rapier::IntegrationParameters::default().num_solver_iterations, 1] {
-            let [ours, theirs] = contest(bodies, iterations, threads, &pool)?;
-            println!("| {threads} | {iterations} | {ours:.2} | {theirs:.1} | {:.1} |", theirs / ours);
+            let [ours, theirs] = contest(bodies, rounds, iterations, threads, &pool)?;
+            let (ratio, rate) = (theirs / ours, 1e3 / ours);
+            println!("| {threads} | {iterations} | {ours:.2} | {theirs:.1} | {ratio:.1} | {rate:.1} |");
         }
     }
     Ok(())
 }
 
 /// Many small worlds: a batch of ours, and Rapier's with four iterations, interleaved.
-fn worlds() -> Result<(), Box<dyn std::error::Error>> {
-    const WORLDS: usize = 4096;
+fn worlds(is_test: bool) -> Result<(), Box<dyn std::error::Error>> {
     const BOXES: usize = 8;
     const STEPS: u32 = 120;
-    println!("{WORLDS} worlds of {BOXES} free boxes, {STEPS} steps, medians of 3, million body-steps a second\n");
-    let rate = |time: Duration| (WORLDS * BOXES) as f64 * f64::from(STEPS) * 1e-6 / time.as_secs_f64();
+    let count = if is_test { 16 } else { 4096 };
+    println!("{count} worlds of {BOXES} free boxes, {STEPS} steps, medians of 3, million body-steps a second\n");
+    let rate = |time: Duration| (count * BOXES) as f64 * f64::from(STEPS) * 1e-6 / time.as_secs_f64();
     for threads in [1, 2] {
         let pool = pool(threads);
         let (mut ours, mut theirs) = (Vec::new(), Vec::new());
         for _ in 0..3 {
             let settings = Settings::default();
-            let trials = (0..WORLDS).map(|_| Trial::new(settings, tumbling_boxes(BOXES)));
+            let trials = (0..count).map(|_| Trial::new(settings, tumbling_boxes(BOXES)));
             let mut batch: Batch = trials.collect::<Result<_, _>>()?;
             let mut rapier: Vec<_> =
                 batch.trials_mut().iter_mut().map(|trial| rapier_world(&mut trial.world, &settings)).collect();
@@ -88,6 +103,7 @@ fn worlds() -> Result<(), Box<dyn std::error::Error>> {
 /// The median times of a body-step \[ns\], tumble's first.
 fn contest(
     bodies: usize,
+    rounds: usize,
     iterations: usize,
     threads: usize,
     pool: &ThreadPool,
@@ -103,7 +119,7 @@ fn contest(
     compare(&mut world, &rapier, simulation.settings());
 
     let (mut ours, mut theirs) = (Vec::new(), Vec::new());
-    for _ in 0..ROUNDS {
+    for _ in 0..rounds {
         ours.push(nanoseconds(STEPS, bodies, || pool.install(|| simulation.step(&mut world))));
         theirs.push(nanoseconds(RAPIER_STEPS, bodies, || rapier.step()));
     }

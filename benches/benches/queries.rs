@@ -12,12 +12,13 @@
 
 mod setup;
 
+use std::cell::LazyCell;
 use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use tumble::math::Vec3;
-use tumble::{Collider, Pose, QueryFilter, Settings, Shape, Simulation};
-use tumble_benches::{label, pools, rays_through_boxes, scattered_boxes};
+use tumble::{Collider, Pose, QueryFilter, Ray, Settings, Shape, Simulation};
+use tumble_benches::{OnDemand, label, pools, rays_through_boxes, scattered_boxes};
 
 const ALL: QueryFilter<'static> = QueryFilter::ALL;
 const RAYS: usize = 1000;
@@ -26,27 +27,32 @@ const MANY: usize = 100_000;
 fn questions(c: &mut Criterion) {
     let mut group = c.benchmark_group("queries");
     let simulation = Simulation::new(Settings::default()).unwrap();
-    let rays = rays_through_boxes(RAYS);
-    let ball = Collider::new(&Shape::sphere(0.5)).unwrap();
+    let rays = LazyCell::new(|| rays_through_boxes(RAYS));
+    let ball = LazyCell::new(|| Collider::new(&Shape::sphere(0.5)).unwrap());
     group.throughput(Throughput::Elements(RAYS as u64));
     for count in [100, 10_000, 100_000] {
-        let world = scattered_boxes(count);
-        let queries = simulation.queries(&world);
+        let world = LazyCell::new(|| scattered_boxes(count));
+        let queries = LazyCell::new(|| simulation.queries(&world));
         group.bench_function(BenchmarkId::new("rays", count), |b| {
+            let (rays, queries) = (&*rays, &*queries);
             b.iter(|| rays.iter().filter(|ray| queries.cast_ray(black_box(ray), &ALL).is_some()).count());
         });
     }
-    let world = scattered_boxes(10_000);
-    let queries = simulation.queries(&world);
-    let places: Vec<Pose> = rays.iter().map(|ray| Pose { position: ray.origin, ..Pose::default() }).collect();
+    let world = LazyCell::new(|| scattered_boxes(10_000));
+    let queries = LazyCell::new(|| simulation.queries(&world));
+    let place = |ray: &Ray| Pose { position: ray.origin, ..Pose::default() };
+    let places: LazyCell<Vec<Pose>, _> = LazyCell::new(|| rays.iter().map(place).collect());
     group.bench_function("casts", |b| {
+        let (rays, ball, places, queries) = (&*rays, &*ball, &*places, &*queries);
         let way = |i: usize| rays[i].direction.normalize_or(Vec3::X) * 10.0;
-        b.iter(|| (0..RAYS).filter(|i| queries.cast_shape(&ball, &places[*i], way(*i), &ALL).is_some()).count());
+        b.iter(|| (0..RAYS).filter(|i| queries.cast_shape(ball, &places[*i], way(*i), &ALL).is_some()).count());
     });
     group.bench_function("overlaps", |b| {
-        b.iter(|| places.iter().map(|at| queries.overlapping(&ball, at, &ALL).len()).sum::<usize>());
+        let (ball, places, queries) = (&*ball, &*places, &*queries);
+        b.iter(|| places.iter().map(|at| queries.overlapping(ball, at, &ALL).len()).sum::<usize>());
     });
     group.bench_function("nearest", |b| {
+        let (rays, queries) = (&*rays, &*queries);
         b.iter(|| rays.iter().filter(|ray| queries.nearest(ray.origin, 10.0, &ALL).is_some()).count());
     });
     group.finish();
@@ -55,12 +61,15 @@ fn questions(c: &mut Criterion) {
 fn many_rays(c: &mut Criterion) {
     let mut group = c.benchmark_group("queries/many rays");
     let simulation = Simulation::new(Settings::default()).unwrap();
-    let world = scattered_boxes(10_000);
-    let queries = simulation.queries(&world);
-    let rays = rays_through_boxes(MANY);
+    let world = LazyCell::new(|| scattered_boxes(10_000));
+    let queries = LazyCell::new(|| simulation.queries(&world));
+    let rays = LazyCell::new(|| rays_through_boxes(MANY));
     group.throughput(Throughput::Elements(MANY as u64));
     for pool in pools() {
-        group.bench_function(label(&pool), |b| b.iter(|| pool.install(|| queries.cast_rays(black_box(&rays), &ALL))));
+        group.bench_function(label(&pool), |b| {
+            let (rays, queries) = (&*rays, &*queries);
+            b.iter(|| pool.install(|| queries.cast_rays(black_box(rays), &ALL)));
+        });
     }
     group.finish();
 }
@@ -69,15 +78,17 @@ fn up_to_date(c: &mut Criterion) {
     let mut group = c.benchmark_group("queries/up to date");
     for count in [1000, 100_000] {
         let simulation = Simulation::new(Settings::default()).unwrap();
-        let mut world = scattered_boxes(count);
+        let mut world = OnDemand::new(|| scattered_boxes(count));
         group.throughput(Throughput::Elements(count as u64));
         group.bench_function(BenchmarkId::new("none has moved", count), |b| {
-            b.iter(|| simulation.queries(&world).is_blocked(&tumble::Ray::new(Vec3::ZERO, -Vec3::X), &ALL));
+            let world = &*world.get();
+            b.iter(|| simulation.queries(world).is_blocked(&Ray::new(Vec3::ZERO, -Vec3::X), &ALL));
         });
         group.bench_function(BenchmarkId::new("all have moved", count), |b| {
+            let world = world.get();
             b.iter(|| {
                 world.query_mut::<&mut Pose>().into_iter().for_each(|pose| pose.position.y += 1e-3);
-                simulation.queries(&world).is_blocked(&tumble::Ray::new(Vec3::ZERO, -Vec3::X), &ALL)
+                simulation.queries(world).is_blocked(&Ray::new(Vec3::ZERO, -Vec3::X), &ALL)
             });
         });
     }

@@ -21,16 +21,25 @@ use tumble::math::Real;
 use tumble::{
     BodySlices, Inertia, Integrator, InverseInertia, Mass, Momentum, Pose, Settings, Simulation, Velocity, Wrench,
 };
-use tumble_benches::{pool, tumbling_boxes};
+use tumble_benches::{OnDemand, pool, tumbling_boxes};
 
 use crate::plain_vectors::PlainVectors;
 
 /// Steps after which both are to be at the same place.
 const COMPARED: u32 = 20;
 
+/// Boxes in a world and in plain vectors, after steps that moved both alike.
+///
 /// # Panics
 /// Where the yardstick does not move the bodies as the engine does; what it takes would mean
 /// nothing.
+fn compared(simulation: &mut Simulation, size: usize) -> (World, PlainVectors) {
+    let mut world = tumbling_boxes(size);
+    let mut plain = PlainVectors::of(&mut world);
+    check_the_same_work(simulation, &mut world, &mut plain);
+    (world, plain)
+}
+
 fn check_the_same_work(simulation: &mut Simulation, world: &mut World, plain: &mut PlainVectors) {
     let settings = *simulation.settings();
     for _ in 0..COMPARED {
@@ -68,14 +77,14 @@ fn reference(criterion: &mut Criterion) {
     for size in [1_000, 10_000, 100_000, 1_000_000] {
         let settings = Settings::default().with_integrator(Integrator::SemiImplicitEuler);
         let Ok(mut simulation) = Simulation::new(settings) else { return };
-        let mut world = tumbling_boxes(size);
-        let mut plain = PlainVectors::of(&mut world);
-        check_the_same_work(&mut simulation, &mut world, &mut plain);
+        let mut both: Option<(World, PlainVectors)> = None;
         group.throughput(Throughput::Elements(size as u64));
         group.bench_function(BenchmarkId::new("engine in a world", size), |bencher| {
-            one_thread.install(|| bencher.iter(|| simulation.step(&mut world)));
+            let (world, _) = both.get_or_insert_with(|| compared(&mut simulation, size));
+            one_thread.install(|| bencher.iter(|| simulation.step(world)));
         });
         group.bench_function(BenchmarkId::new("plain Vecs by hand", size), |bencher| {
+            let (_, plain) = both.get_or_insert_with(|| compared(&mut simulation, size));
             bencher.iter(|| plain.step(settings.dt, settings.gravity));
         });
     }
@@ -126,13 +135,15 @@ fn world_or_vecs(criterion: &mut Criterion) {
         for size in [1_000, 10_000, 100_000, 1_000_000] {
             let settings = Settings::default().with_integrator(integrator);
             let Ok(mut simulation) = Simulation::new(settings) else { return };
-            let mut world = tumbling_boxes(size);
-            let mut vecs = Vecs::of(&mut world);
+            let mut world = OnDemand::new(|| tumbling_boxes(size));
+            let mut vecs = OnDemand::new(|| Vecs::of(&mut tumbling_boxes(size)));
             group.throughput(Throughput::Elements(size as u64));
             group.bench_function(BenchmarkId::new(format!("{integrator} in a world"), size), |bencher| {
-                one_thread.install(|| bencher.iter(|| simulation.step(&mut world)));
+                let world = world.get();
+                one_thread.install(|| bencher.iter(|| simulation.step(world)));
             });
             group.bench_function(BenchmarkId::new(format!("{integrator} in Vecs"), size), |bencher| {
+                let vecs = vecs.get();
                 one_thread.install(|| bencher.iter(|| vecs.step(&settings)));
             });
         }

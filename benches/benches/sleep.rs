@@ -9,7 +9,7 @@ mod setup;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use hecs::World;
 use tumble::prelude::*;
-use tumble_benches::{label, pools};
+use tumble_benches::{OnDemand, label, pools};
 
 fn stacks(count: u32) -> World {
     let mut world = World::new();
@@ -24,6 +24,15 @@ fn stacks(count: u32) -> World {
     world
 }
 
+/// A second later: asleep where they may sleep.
+fn rested(count: u32, sleep: Option<Sleep>) -> (World, Simulation) {
+    let mut world = stacks(count);
+    let mut simulation = Simulation::new(Settings::default().with_sleep(sleep)).unwrap();
+    simulation.step_many(&mut world, 60);
+    assert_eq!(simulation.sleeping_bodies().count(), if sleep.is_some() { count as usize } else { 0 });
+    (world, simulation)
+}
+
 fn rest(c: &mut Criterion) {
     let mut group = c.benchmark_group("sleep");
     for (name, count, sleep) in [
@@ -32,13 +41,13 @@ fn rest(c: &mut Criterion) {
         ("awake", 10_000, None),
     ] {
         for pool in pools() {
-            let mut world = stacks(count);
-            let mut simulation = Simulation::new(Settings::default().with_sleep(sleep)).unwrap();
-            pool.install(|| simulation.step_many(&mut world, 60));
-            assert_eq!(simulation.sleeping_bodies().count(), if sleep.is_some() { count as usize } else { 0 });
+            let mut at_rest = OnDemand::new(|| pool.install(|| rested(count, sleep)));
             group.throughput(Throughput::Elements(u64::from(count)));
             let id = BenchmarkId::new(format!("{name}, {count}"), label(&pool));
-            group.bench_function(id, |b| b.iter(|| pool.install(|| simulation.step(&mut world))));
+            group.bench_function(id, |b| {
+                let (world, simulation) = at_rest.get();
+                b.iter(|| pool.install(|| simulation.step(world)));
+            });
         }
     }
     group.finish();

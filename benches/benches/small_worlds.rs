@@ -8,7 +8,7 @@ mod setup;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use tumble::{Settings, Simulation};
-use tumble_benches::tumbling_boxes;
+use tumble_benches::{OnDemand, tumbling_boxes};
 
 const STEPS: u32 = 120;
 
@@ -17,13 +17,14 @@ fn small_worlds(criterion: &mut Criterion) {
         let mut group = criterion.benchmark_group(name);
         for size in [0, 1, 2, 8, 10, 16, 100] {
             let Ok(mut simulation) = Simulation::new(Settings::default()) else { return };
-            let mut world = tumbling_boxes(size);
+            let mut world = OnDemand::new(|| tumbling_boxes(size));
             // The throughput of an empty world is in steps.
             group.throughput(Throughput::Elements(size.max(1) as u64 * u64::from(steps)));
             group.bench_function(BenchmarkId::from_parameter(size), |bencher| {
+                let world = world.get();
                 bencher.iter(|| match steps {
-                    1 => simulation.step(&mut world),
-                    _ => simulation.step_many(&mut world, steps),
+                    1 => simulation.step(world),
+                    _ => simulation.step_many(world, steps),
                 });
             });
         }

@@ -8,12 +8,12 @@ mod setup;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use tumble::{Integrator, Settings, Simulation};
-use tumble_benches::{SIZES, label, mixed_bodies, pools};
+use tumble_benches::{OnDemand, SIZES, label, mixed_bodies, pools};
 
 fn step(criterion: &mut Criterion) {
     let pools = pools();
     for size in SIZES {
-        let mut world = mixed_bodies(size);
+        let mut world = OnDemand::new(|| mixed_bodies(size));
         for integrator in Integrator::ALL {
             let mut group = criterion.benchmark_group(integrator.name());
             group.throughput(Throughput::Elements(size as u64));
@@ -22,7 +22,8 @@ fn step(criterion: &mut Criterion) {
                     return;
                 };
                 group.bench_function(BenchmarkId::new(label(pool), size), |bencher| {
-                    pool.install(|| bencher.iter(|| simulation.step(&mut world)));
+                    let world = world.get();
+                    pool.install(|| bencher.iter(|| simulation.step(world)));
                 });
             }
         }

@@ -6,7 +6,7 @@ mod setup;
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use hecs::World;
 use tumble::{Settings, accumulate_forces, integrate, update_derived};
-use tumble_benches::{SIZES, label, mixed_bodies, pools};
+use tumble_benches::{OnDemand, SIZES, label, mixed_bodies, pools};
 
 /// A system as the benches call it.
 type System = fn(&mut World, &Settings);
@@ -20,13 +20,14 @@ fn systems(criterion: &mut Criterion) {
         ("update_derived", |world, _| update_derived(world)),
     ];
     for size in SIZES {
-        let mut world = mixed_bodies(size);
+        let mut world = OnDemand::new(|| mixed_bodies(size));
         for (name, system) in systems {
             let mut group = criterion.benchmark_group(name);
             group.throughput(Throughput::Elements(size as u64));
             for pool in &pools {
                 group.bench_function(BenchmarkId::new(label(pool), size), |bencher| {
-                    pool.install(|| bencher.iter(|| system(&mut world, &settings)));
+                    let world = world.get();
+                    pool.install(|| bencher.iter(|| system(world, &settings)));
                 });
             }
         }

@@ -8,18 +8,19 @@ mod setup;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use tumble::{Integrator, Settings, Simulation};
-use tumble_benches::{label, pool, pools, tumbling_boxes};
+use tumble_benches::{OnDemand, label, pool, pools, tumbling_boxes};
 
 fn threads(criterion: &mut Criterion) {
     let pools = [1, 2, 4].map(pool);
     let mut group = criterion.benchmark_group("threads");
     for size in [1_000, 10_000, 100_000, 1_000_000] {
-        let mut world = tumbling_boxes(size);
+        let mut world = OnDemand::new(|| tumbling_boxes(size));
         group.throughput(Throughput::Elements(size as u64));
         for pool in &pools {
             let Ok(mut simulation) = Simulation::new(Settings::default()) else { return };
             group.bench_function(BenchmarkId::new(label(pool), size), |bencher| {
-                pool.install(|| bencher.iter(|| simulation.step(&mut world)));
+                let world = world.get();
+                pool.install(|| bencher.iter(|| simulation.step(world)));
             });
         }
     }
@@ -30,13 +31,14 @@ fn integrators(criterion: &mut Criterion) {
     for integrator in Integrator::ALL {
         let mut group = criterion.benchmark_group(format!("threads, {integrator}"));
         for size in [10_000, 1_000_000] {
-            let mut world = tumbling_boxes(size);
+            let mut world = OnDemand::new(|| tumbling_boxes(size));
             group.throughput(Throughput::Elements(size as u64));
             for pool in &pools {
                 let settings = Settings::default().with_integrator(integrator);
                 let Ok(mut simulation) = Simulation::new(settings) else { return };
                 group.bench_function(BenchmarkId::new(label(pool), size), |bencher| {
-                    pool.install(|| bencher.iter(|| simulation.step(&mut world)));
+                    let world = world.get();
+                    pool.install(|| bencher.iter(|| simulation.step(world)));
                 });
             }
         }

@@ -11,7 +11,9 @@
     )
 )]
 
+mod arguments;
 mod jointed;
+mod on_demand;
 mod piles;
 mod pulling;
 #[cfg(feature = "peers")]
@@ -20,8 +22,10 @@ mod rays;
 mod scenes;
 mod threads;
 
+pub use arguments::Arguments;
 pub use jointed::{JointKind, LINK, arm, bridge, chain, net, pendulums, ragdolls};
-pub use piles::{FRICTION, PileShape, eight_boxes, falling_balls, pyramid};
+pub use on_demand::OnDemand;
+pub use piles::{FRICTION, PileShape, bodies_on_hills, eight_boxes, falling_balls, pyramid};
 pub use pulling::{attracting_points, net_of_springs};
 #[cfg(feature = "peers")]
 pub use rapier_joints::{RapierJoints, RapierWorld};

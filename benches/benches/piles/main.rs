@@ -7,9 +7,9 @@
 //! pyramid stand for 10 000 steps, and fails where it does not. With `--features peers` the same
 //! scenes are run in Rapier in the same process, alternating every ten steps, with its default of
 //! four solver iterations; with `peers-simd8` Rapier's solver has eight lanes. Printed are
-//! milliseconds a step (of the pyramid the mean of steps 60 to 240, of the balls of all 300), and
-//! what became of the scene: how far the top sank and the box that moved most went, how deep balls
-//! are in each other.
+//! milliseconds a step (of the pyramid the mean of steps 60 to 240, of the balls of all 300), how
+//! many body-steps that is a second, and what became of the scene: how far the top sank and the box
+//! that moved most went, how deep balls are in each other.
 //!
 //! Under `--features f64` tumble is in double precision and Rapier, a crate of single precision, is
 //! not.
@@ -31,42 +31,54 @@ use hecs::World;
 use rayon::ThreadPool;
 use tumble::math::PRECISION;
 use tumble::{Batch, BodyId, Momentum, Pose, Settings, Simulation, Trial, simd_name};
-use tumble_benches::{eight_boxes, falling_balls, in_pools_of_one, pool as pool_of, pyramid};
+use tumble_benches::{Arguments, eight_boxes, falling_balls, in_pools_of_one, pool as pool_of, pyramid};
 
 type RunStatus<T> = Result<T, Box<dyn std::error::Error>>;
+
+const PYRAMID: &str = "piles/pyramid";
+const BALLS: &str = "piles/balls";
+const WORLDS: &str = "piles/worlds";
+const GROWTH: &str = "piles/growth";
+/// Minutes, so only where it is asked for by its last word.
+const STANDS: &str = "piles/stands";
+const SCENES: [&str; 5] = [PYRAMID, BALLS, WORLDS, GROWTH, STANDS];
 
 /// Steps of one engine before it is the other's turn.
 const TURN: usize = 10;
 
 fn main() -> RunStatus<()> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let asked = |name: &str| arguments.iter().any(|argument| argument == name);
-    let scenes = ["pyramid", "balls", "worlds", "growth", "stands"];
-    let all = !scenes.into_iter().any(asked);
+    let arguments = Arguments::of_program();
+    let asked = |name: &str| arguments.select(name);
+    if arguments.is_list {
+        arguments.print_list(&SCENES);
+    }
+    if arguments.is_list || !SCENES.into_iter().any(asked) {
+        return Ok(());
+    }
     // A test that it runs.
-    let short = asked("--test");
+    let short = arguments.is_test;
     println!("tumble: {PRECISION}, {}\n", simd_name());
     for threads in [1, 2] {
         let pool = pool_of(threads);
-        if all || asked("pyramid") {
+        if asked(PYRAMID) {
             let (steps, measured) = if short { (2, 0..2) } else { (300, 60..240) };
             let made = || pyramid(if short { 4 } else { 20 });
             let pile = Pile { made: &made, steps, measured, told: &sunk };
             pile.run("pyramid", threads, &pool)?;
         }
-        if all || asked("balls") {
+        if asked(BALLS) {
             let steps = if short { 2 } else { 300 };
             let made = || falling_balls(if short { 400 } else { 5000 });
             Pile { made: &made, steps, measured: 0..steps, told: &overlap }.run("balls", threads, &pool)?;
         }
-        if all || asked("worlds") {
+        if asked(WORLDS) {
             let (count, steps) = if short { (16, 2) } else { (4096, 120) };
             worlds(count, steps, threads, &pool)?;
         }
-        if asked("stands") {
+        if arguments.name("stands") {
             stands(threads, &pool)?;
         }
-        if all || asked("growth") {
+        if asked(GROWTH) {
             growth(if short { [3, 4] } else { [14, 44] }, threads, &pool)?;
         }
     }
@@ -102,7 +114,11 @@ impl Pile<'_> {
         }
         let milliseconds = |time: Duration| time.as_secs_f64() * 1e3 / self.measured.len() as f64;
         let (ours, theirs) = (milliseconds(ours), milliseconds(theirs));
-        println!("{name}, threads {threads}: tumble {ours:.2} ms a step, {}", (self.told)(&start, &places(&world)));
+        let rate = start.len() as f64 * 1e-3 / ours;
+        println!(
+            "{name}, threads {threads}: tumble {ours:.2} ms a step, {rate:.2} million body-steps a second, {}",
+            (self.told)(&start, &places(&world))
+        );
         if let Some(peer) = &peer {
             let told = (self.told)(&start, &peer.places());
             println!(
@@ -193,8 +209,11 @@ fn growth(bases: [u32; 2], threads: usize, pool: &ThreadPool) -> RunStatus<()> {
     let [small, large] = [0, 1].map(|i| times[i].as_secs_f64() * 1e6 / (f64::from(bodies[i]) * f64::from(3 * STEPS)));
     let [few, many] = bodies;
     println!(
-        "growth, threads {threads}: {small:.2} us a body and step of {few} boxes, {large:.2} of {many}; {:.2} times",
-        large / small
+        "growth, threads {threads}: {small:.2} us a body and step of {few} boxes, {large:.2} of {many}; {:.2} times; \
+         {:.2} and {:.2} million body-steps a second",
+        large / small,
+        1.0 / small,
+        1.0 / large
     );
     Ok(())
 }

@@ -57,6 +57,7 @@ pub(crate) fn print_row(
     let pulls = (bodies * bodies) as f64;
     let (simple, slow) = (needed.simple / rates.simple * 1e9, needed.slow / rates.slow * 1e9);
     let taken = times[times.len() / 2] * 1e9 / pulls;
-    println!("| {bodies} | {simple:.3} | {slow:.3} | {taken:.3} | {:.0} % |", 100.0 * simple.max(slow) / taken);
+    let (rate, of_limit) = (1e3 / taken, 100.0 * simple.max(slow) / taken);
+    println!("| {bodies} | {simple:.3} | {slow:.3} | {taken:.3} | {rate:.0} | {of_limit:.0} % |");
     Ok(())
 }

@@ -20,7 +20,7 @@ use hecs::World;
 use rayon::ThreadPool;
 use tumble::math::PRECISION;
 use tumble::{Settings, Simulation, simd_name};
-use tumble_benches::{pool, tumbling_boxes};
+use tumble_benches::{Arguments, pool, tumbling_boxes};
 
 use crate::body_step::{Traffic, operations};
 use crate::counted::Operations;
@@ -29,10 +29,12 @@ use crate::machine::{Arithmetic, Effort, arithmetic, copy_bandwidth, update_band
 /// Bodies whose operations are counted: enough that their mean is good to a percent.
 const COUNTED: usize = 2_000;
 
+const NAME: &str = "roofline";
+
 const COLUMNS: &str = "\
 | bodies | memory [MB] | copy [GB/s] | update [GB/s] | by copy [ns] | by update [ns] | arithmetic [ns] | step [ns] \
-| of copy | of limit |
-|---|---|---|---|---|---|---|---|---|---|";
+| step [M/s] | of copy | of limit |
+|---|---|---|---|---|---|---|---|---|---|---|---|";
 
 /// What the columns of the table are.
 const LEGEND: &str = "
@@ -43,18 +45,20 @@ const LEGEND: &str = "
   by update   the same at that of updating; what a step does is nearer to this, since it writes where it reads
   arithmetic  the least time for its operations: additions and multiplications, or divisions and roots, whichever takes longer;
               comparisons and selections are left out
-  step        the time of a body-step, the median of blocks
+  step        the time of a body-step, the median of blocks, and how many million of them that is a second
   of copy     by copy over step: what a step reaches of the bandwidth of copying
   of limit    the largest least time over step: at the bandwidth that is the larger, or of the arithmetic
 ";
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let arguments: Vec<String> = std::env::args().skip(1).collect();
-    if arguments.iter().any(|argument| !argument.starts_with('-') && !"roofline".contains(argument.as_str())) {
-        // Another bench was asked for.
+    let arguments = Arguments::of_program();
+    if arguments.is_list {
+        arguments.print_list(&[NAME]);
+    }
+    if arguments.is_list || !arguments.select(NAME) {
         return Ok(());
     }
-    let testing = arguments.iter().any(|argument| argument == "--test");
+    let testing = arguments.is_test;
     let effort = if testing { Effort { block: 1e-4, blocks: 1 } } else { Effort { block: 0.03, blocks: 9 } };
     let sizes: &[usize] = if testing { &[1_000] } else { &[1_000, 10_000, 100_000, 1_000_000] };
 
@@ -76,7 +80,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
         let pull = gravity::operations();
         println!("\ngravity among bodies, of a pull: {} + - x, {} / sqrt\n", pull.simple, pull.slow);
-        println!("| bodies | + - x [ns] | / sqrt [ns] | step by pull [ns] | of limit |\n|---|---|---|---|---|");
+        println!(
+            "| bodies | + - x [ns] | / sqrt [ns] | step by pull [ns] | [M/s] | of limit |\n|---|---|---|---|---|---|"
+        );
         for bodies in if testing { [64, 64, 64] } else { [256, 1024, 4096] } {
             gravity::print_row(bodies, pull, rates, &pool, effort)?;
         }
@@ -133,7 +139,7 @@ fn print_row(
     let (of_copy, of_limit) = (100.0 * by_copy / step, 100.0 * by_copy.min(by_update).max(arithmetic) / step);
     let (memory, copy, update) = (working_set as f64 * 1e-6, copy * 1e-9, update * 1e-9);
     print!("| {size} | {memory:.2} | {copy:.1} | {update:.1} | {by_copy:.2} | {by_update:.2} | {arithmetic:.2} ");
-    println!("| {step:.2} | {of_copy:.0} % | {of_limit:.0} % |");
+    println!("| {step:.2} | {:.1} | {of_copy:.0} % | {of_limit:.0} % |", 1e3 / step);
     Ok(())
 }
 

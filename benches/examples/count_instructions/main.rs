@@ -1,54 +1,33 @@
 //! Counts the instructions of a body-step and compares them with those on record: unlike times,
 //! they are the same on a busy machine and on a quiet one.
 //!
-//! `cargo run --release -p tumble-benches --example count_instructions`, with `--features f64` for
-//! double precision, runs boxes under each integrator, bodies that pull at each other, bodies that
-//! touch, chains of joints and queries under valgrind, with each instruction set that valgrind
-//! knows, and fails where a body-step, a joint's substep or a ray has over 3 % more instructions
-//! than in `benches/instruction_counts.csv`. `-- --record`
-//! writes what it finds there; that file says with which compiler, since another one makes other
-//! code. A minute; not among the checks of every change.
+//! `cargo run --release --example count_instructions`, with `--features tumble-benches/f64` for
+//! double precision, runs boxes under each integrator, one body alone, bodies with a ledger, bodies
+//! that pull at each other, bodies that touch each other and hills, chains of joints, ragdolls and
+//! queries under valgrind, with each instruction set that valgrind knows, and fails where a
+//! body-step, a joint's substep or a ray has over 3 % more instructions than in
+//! `benches/instruction_counts.csv`. `-- scalar avx2` is for these instruction sets alone, as
+//! `.ci/run` has it. `-- --record` writes what it finds there; that file says with which compiler,
+//! since another one makes other code, and `.ci/run` then compares nothing.
+//!
+//! `-- --serial` says which part of a step's instructions threads do not share, and how many times
+//! a step they meet (`serial.rs`).
 //!
 //! To see where instructions are:
 //! `valgrind --tool=callgrind target/release/examples/count_instructions step moser-veselov 30`.
 
+mod scenes;
+mod serial;
+
 use std::fmt::Write;
 use std::process::{Command, ExitCode};
 
-use tumble::math::{PRECISION, Vec3};
-use tumble::{Batch, Integrator, QueryFilter, Settings, Simulation, Trial, simd_name};
-use tumble_benches::{
-    JointKind, attracting_points, chain, eight_boxes, falling_balls, net_of_springs, pyramid, rays_through_boxes,
-    scattered_boxes, tumbling_boxes,
-};
+use rayon::prelude::*;
+use tumble::Integrator;
+use tumble::math::PRECISION;
 
-/// Of free bodies: whole tiles, in whole chunks.
-const BODIES: u32 = 4096;
-/// Where bodies act on each other: a name, how many they are, and after how many steps counting
-/// begins.
-const COUPLED: [(&str, u32, u32); 9] = [
-    ("springs", 1024, 5),
-    ("attraction", 256, 5),
-    ("pyramid", 204, 5),
-    ("balls", 1000, 90),
-    ("worlds", WORLDS * 8, 60),
-    ("chain", JOINTS * SUBSTEPS, 5),
-    ("hinges", JOINTS * SUBSTEPS, 5),
-    ("rays", RAYS, 1),
-    ("unmoved", UNMOVED, 1),
-];
-/// Rays of a hundred metres among ten thousand boxes.
-const RAYS: u32 = 256;
-/// Bodies of which queries find out that none has moved.
-const UNMOVED: u32 = 10_000;
-/// In a chain.
-const JOINTS: u32 = 100;
-/// In a step: with joints, what is counted is per joint and substep.
-const SUBSTEPS: u32 = 4;
-/// Of eight boxes.
-const WORLDS: u32 = 16;
-/// Steps of free bodies before counting begins.
-const SHORT: u32 = 5;
+use crate::scenes::{BODIES, COUPLED, SHORT};
+
 /// Steps that are counted: runs of two lengths, so that making the world is not.
 const COUNTED: u32 = 10;
 /// How many times the instructions on record a body-step may have.
@@ -63,62 +42,16 @@ type Failure = Box<dyn std::error::Error + Send + Sync>;
 fn main() -> Result<ExitCode, Failure> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     match arguments.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
-        [] => compare(&measure()?),
-        ["--record"] => record(&measure()?).map(|()| ExitCode::SUCCESS),
-        ["step", scene, steps] => step(scene, steps.parse()?).map(|()| ExitCode::SUCCESS),
-        _ => Err("takes nothing, --record, or step SCENE STEPS".into()),
-    }
-}
-
-/// Steps a scene on this thread alone, and says with which vector code.
-fn step(scene: &str, steps: u32) -> Result<(), Failure> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build()?;
-    pool.install(|| match scene {
-        "worlds" => step_worlds(steps),
-        "rays" | "unmoved" => ask(scene == "rays", steps),
-        _ => step_world(scene, steps),
-    })?;
-    println!("{}", simd_name());
-    Ok(())
-}
-
-fn step_world(scene: &str, steps: u32) -> Result<(), Failure> {
-    let settings = Settings::default();
-    let count = COUPLED.iter().find(|(name, ..)| *name == scene).map_or(BODIES, |(_, count, _)| *count);
-    let (mut world, settings) = match scene {
-        "springs" => (net_of_springs(count.isqrt() as usize), settings),
-        "attraction" => (attracting_points(count as usize), settings.with_gravity(Vec3::ZERO).with_dt(1e-3)),
-        "pyramid" => (pyramid(8), settings),
-        "balls" => (falling_balls(count as usize), settings),
-        "chain" => (chain(JOINTS as usize, JointKind::Ball), settings.with_contact_substeps(SUBSTEPS)),
-        "hinges" => (chain(JOINTS as usize, JointKind::Hinge), settings.with_contact_substeps(SUBSTEPS)),
-        integrator => (tumbling_boxes(count as usize), settings.with_integrator(integrator.parse()?)),
-    };
-    let mut simulation = Simulation::new(settings)?;
-    (0..steps).for_each(|_| simulation.step(&mut world));
-    Ok(())
-}
-
-fn step_worlds(steps: u32) -> Result<(), Failure> {
-    let made = |index: u32| Trial::new(Settings::default(), eight_boxes(index.into()));
-    (0..WORLDS).map(made).collect::<Result<Batch, _>>()?.step_many(steps);
-    Ok(())
-}
-
-/// Brings queries up to date, and casts rays in them or not.
-fn ask(is_cast: bool, times: u32) -> Result<(), Failure> {
-    let simulation = Simulation::new(Settings::default())?;
-    let world = scattered_boxes(UNMOVED as usize);
-    let rays = rays_through_boxes(RAYS as usize);
-    let mut queries = simulation.queries(&world);
-    for _ in 0..times {
-        if is_cast {
-            std::hint::black_box(queries.cast_rays(&rays, &QueryFilter::ALL));
-        } else {
-            queries = simulation.queries(&world);
+        ["--record"] => record(&measure(&PATHS)?).map(|()| ExitCode::SUCCESS),
+        ["--serial"] => serial::print().map(|()| ExitCode::SUCCESS),
+        ["step", scene, steps] => scenes::step(scene, steps.parse()?, 1).map(|()| ExitCode::SUCCESS),
+        ["step", scene, steps, threads] => {
+            scenes::step(scene, steps.parse()?, threads.parse()?).map(|()| ExitCode::SUCCESS)
         }
+        [] => compare(&measure(&PATHS)?),
+        paths if paths.iter().all(|path| PATHS.contains(path)) => compare(&measure(paths)?),
+        _ => Err("takes instruction sets, --record, --serial, or step SCENE STEPS [THREADS]".into()),
     }
-    Ok(())
 }
 
 /// Instructions of a body-step.
@@ -135,19 +68,21 @@ impl Count {
     }
 }
 
-fn measure() -> Result<Vec<Count>, Failure> {
-    let mut counts = Vec::new();
+/// Of all scenes, as many at a time as there are processors.
+fn measure(paths: &[&str]) -> Result<Vec<Count>, Failure> {
     let free = Integrator::ALL.map(|integrator| (integrator.name(), BODIES, SHORT));
-    for (scene, bodies, short) in free.into_iter().chain(COUPLED) {
-        for path in PATHS {
-            let (Some(long), Some(short)) = (run(scene, path, short + COUNTED)?, run(scene, path, short)?) else {
-                println!("{path} does not run here");
-                continue;
-            };
-            counts.push(Count { scene, path, instructions: (long - short) / f64::from(COUNTED * bodies) });
-        }
-    }
-    Ok(counts)
+    let scenes: Vec<_> = free.into_iter().chain(COUPLED).collect();
+    let paths: Vec<_> = PATHS.into_iter().filter(|path| paths.contains(path)).collect();
+    let runs: Vec<_> = scenes.iter().flat_map(|scene| paths.iter().map(move |path| (*scene, *path))).collect();
+    let count = |((scene, bodies, short), path)| -> Result<Option<Count>, Failure> {
+        let (Some(long), Some(short)) = (run(scene, path, short + COUNTED)?, run(scene, path, short)?) else {
+            println!("{path} does not run here");
+            return Ok(None);
+        };
+        Ok(Some(Count { scene, path, instructions: (long - short) / f64::from(COUNTED * bodies) }))
+    };
+    let counts: Result<Vec<_>, _> = runs.into_par_iter().with_max_len(1).map(count).collect();
+    Ok(counts?.into_iter().flatten().collect())
 }
 
 /// The instructions of a whole run; `None` where it ran with other vector code than asked for.
