@@ -189,4 +189,3 @@ fn exact_difference<L: Lane>(a: L, b: L) -> (L, L) {
     let a_part = difference + b_part;
     (difference, (a - a_part) - (b - b_part))
 }
-
