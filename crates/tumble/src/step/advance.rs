@@ -1,8 +1,8 @@
 //! Bodies advanced a tile at a time: all systems of free bodies, or the integration alone.
 //!
-//! One kernel serves every body. Where an archetype has nothing but what a body needs, as most have,
-//! another takes the usual step: what its bodies lack is known when it is compiled, and rare cases
-//! are not in it. Both give the same bits.
+//! One kernel serves every body. Where an archetype has nothing but what a body needs, as most
+//! have, another takes the usual step: what its bodies lack is known when it is compiled, and rare
+//! cases are not in it. Both give the same bits.
 
 use std::marker::PhantomData;
 
