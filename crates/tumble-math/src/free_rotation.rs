@@ -42,14 +42,14 @@
 //!
 //! # The equation
 //!
-//! In double precision `u` is found by Newton's method, to rounding, from differences of the moments
-//! `J` that are kept exactly (`newton.rs`). Single precision (`sweeps.rs`) needs neither `J` nor a
-//! division. With `b = h/2 y`, `D_j = 1/J_j` and the unknown `a = J u/(1 + |u|^2)`, which is the mean
-//! of `b` before and after the step, the equation is
+//! In double precision `u` is found by Newton's method, to rounding, from differences of the
+//! moments `J` that are kept exactly (`newton.rs`). Single precision (`sweeps.rs`) needs neither `J`
+//! nor a division. With `b = h/2 y`, `D_j = 1/J_j` and the unknown `a = J u/(1 + |u|^2)`, which is
+//! the mean of `b` before and after the step, the equation is
 //!
 //! ```text
-//! a + u x a = b,        u = s D a,        s = 1 + |u|^2 = 2/(1 + sqrt(1 - 4 n)),        n = |D a|^2
-//! a_1 = b_1 - c_1 a_2 a_3,        c_1 = s (D_2 - D_3),        and so on
+//! a + u x a = b,      u = s D a,      s = 1 + |u|^2 = 2/(1 + sqrt(1 - 4 n)),      n = |D a|^2
+//! a_1 = b_1 - c_1 a_2 a_3,            c_1 = s (D_2 - D_3),        and so on
 //! ```
 //!
 //! A sweep computes `a_1`, `a_2` and `a_3` one after the other from the second line, each with what

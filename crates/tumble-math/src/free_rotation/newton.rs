@@ -1,4 +1,4 @@
-//! The equation of the map in `u`, solved by Newton's method to the last digit: for double precision.
+//! The equation of the map in `u`, by Newton's method to the last digit: for double precision.
 
 use super::Ratios;
 use super::solver::Solver;

@@ -171,8 +171,8 @@ fn stretch<L: Lane>(v: Vec3<L>) -> L {
 mod tests {
     use super::*;
 
-    /// The polynomials beside their functions, from no turn to the longest that each is for: half of
-    /// `sqrt(6 kappa)`, of a needle or a disc about its axis.
+    /// The polynomials beside their functions, from no turn to the longest that each is for, which
+    /// is `sqrt(6 kappa)`, of a disc about its axis.
     #[test]
     fn polynomials_are_their_functions() {
         let largest = |kappa: f64| (0.5 * (6.0 * kappa).sqrt()).tan().powi(2);
