@@ -43,9 +43,9 @@
 //! # The equation
 //!
 //! In double precision `u` is found by Newton's method, to rounding, from differences of the
-//! moments `J` that are kept exactly (`newton.rs`). Single precision (`sweeps.rs`) needs neither `J`
-//! nor a division. With `b = h/2 y`, `D_j = 1/J_j` and the unknown `a = J u/(1 + |u|^2)`, which is
-//! the mean of `b` before and after the step, the equation is
+//! moments `J` that are kept exactly (`newton.rs`). Single precision (`sweeps.rs`) needs neither
+//! `J` nor a division. With `b = h/2 y`, `D_j = 1/J_j` and the unknown `a = J u/(1 + |u|^2)`, which
+//! is the mean of `b` before and after the step, the equation is
 //!
 //! ```text
 //! a + u x a = b,      u = s D a,      s = 1 + |u|^2 = 2/(1 + sqrt(1 - 4 n)),      n = |D a|^2
