@@ -9,7 +9,7 @@
 
 use glam::DVec3;
 use hecs::{Entity, World};
-use tumble::math::Vec3;
+use tumble::math::{Real, Vec3};
 use tumble::{
     Damping, GravityScale, Integrator, InverseInertia, Momentum, Pose, PreviousPose, PrincipalAxes, RigidBody,
     Settings, Shape, Simulation, Velocity, Wrench,
@@ -54,7 +54,7 @@ fn bits(world: &World, body: Entity) -> Vec<u64> {
         inverse.diagonal,
         inverse.off_diagonal,
     ];
-    let numbers = vectors.iter().flat_map(|v| v.to_array()).chain(pose.orientation.to_array());
+    let numbers = vectors.iter().flat_map(Vec3::to_array).chain(pose.orientation.to_array());
     numbers.map(|number| f64::from(number).to_bits()).collect()
 }
 
@@ -130,10 +130,10 @@ fn the_bits_of_slow_bodies_are_their_own() {
                     if is_neighbour && neighbours_are_fast {
                         if i % 4 == 3 {
                             let pose = &mut *world.get::<&mut Pose>(body).unwrap();
-                            pose.orientation = pose.orientation * factor as tumble::math::Real;
+                            pose.orientation *= factor as Real;
                         } else {
                             let momentum = &mut *world.get::<&mut Momentum>(body).unwrap();
-                            momentum.angular *= factor as tumble::math::Real;
+                            momentum.angular *= factor as Real;
                         }
                     }
                     if !is_neighbour {
