@@ -20,3 +20,4 @@ mod joint_determinism;
 mod mechanisms;
 #[path = "../tests/shared/pile/mod.rs"]
 mod pile;
+mod plain_bodies;

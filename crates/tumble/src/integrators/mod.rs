@@ -26,7 +26,7 @@ pub(crate) use crate::integrators::semi_implicit_euler::SemiImplicitEuler;
 
 use tumble_math::lane::Lane;
 
-use crate::integrators::state::{Constants, State};
+use crate::integrators::state::{Constants, Force, State};
 
 /// One integration scheme, prepared for one body and one length of substep.
 pub(crate) trait Scheme<L: Lane> {
@@ -36,6 +36,13 @@ pub(crate) trait Scheme<L: Lane> {
     /// The state one substep later, under forces that are evaluated at every stage and, where asked
     /// for, with an account of their work.
     fn advance<F: Forces<L>, A: Account<L>>(&self, state: State<L>, forces: &F, account: &mut A) -> State<L>;
+
+    /// The same under a constant force, to the bit; `None` where that takes more than the usual way
+    /// for a body of the tile.
+    #[inline(always)]
+    fn advance_shortly(&self, state: State<L>, force: Force<L>) -> Option<State<L>> {
+        Some(self.advance(state, &ConstantForce(force), &mut NoAccount))
+    }
 }
 
 /// An integration scheme, of one body or of a tile of any width.

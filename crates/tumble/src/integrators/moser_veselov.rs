@@ -1,10 +1,10 @@
 //! The kick-drift-kick integrator with the discrete Moser-Veselov map for free rotation.
 
 use tumble_math::FreeRotation;
-use tumble_math::lane::Lane;
+use tumble_math::lane::{Lane, Quat};
 
 use crate::integrators::Kick;
-use crate::integrators::state::{Constants, State};
+use crate::integrators::state::{Constants, Force, State};
 use crate::integrators::{Account, Forces, Scheme};
 
 /// Half a kick, free flight, half a kick. The flight keeps both momenta; [`FreeRotation`] turns the
@@ -38,8 +38,25 @@ impl<L: Lane> Scheme<L> for MoserVeselov<L> {
             Some(rotation) => rotation.rotate(flying.orientation, flying.angular),
             None => flying.orientation,
         };
+        self.half_kick.apply_to_end(self.landed(flying, orientation), self.h, forces, account)
+    }
+
+    #[inline(always)]
+    fn advance_shortly(&self, state: State<L>, force: Force<L>) -> Option<State<L>> {
+        let flying = self.half_kick.kicked(state, force);
+        let orientation = match &self.rotation {
+            Some(rotation) => rotation.rotate_shortly(flying.orientation, flying.angular)?,
+            None => flying.orientation,
+        };
+        Some(self.half_kick.kicked(self.landed(flying, orientation), force))
+    }
+}
+
+impl<L: Lane> MoserVeselov<L> {
+    /// The end of a flight: its way is straight, and this is its orientation.
+    #[inline(always)]
+    fn landed(&self, flying: State<L>, orientation: Quat<L>) -> State<L> {
         let position = flying.position + flying.linear * self.inverse_mass * self.h;
-        let landed = State { position, orientation, ..flying };
-        self.half_kick.apply_to_end(landed, self.h, forces, account)
+        State { position, orientation, ..flying }
     }
 }

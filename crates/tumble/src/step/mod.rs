@@ -1,5 +1,6 @@
 //! The step, whole, phase by phase or as single systems; contacts and times that it reports.
 
+pub(crate) mod advance;
 pub(crate) mod body_forces;
 pub(crate) mod body_slices;
 pub(crate) mod contact_report;

@@ -1,28 +1,24 @@
 //! The systems of a step: what each does to a chunk of bodies, and each as a function of its own.
 
-use std::marker::PhantomData;
-
 use hecs::World;
-use tumble_math::lane::Vec3 as LaneVec3;
 
 use crate::clock::Clock;
 use crate::components::Wrenches;
 use crate::components::{PreviousPose, Work, Wrench};
-use crate::forces::evaluate::{ActingLaws, LawForces, TileLawForces, WorkAccount};
+use crate::forces::evaluate::{LawForces, WorkAccount};
 use crate::forces::force_context::ForceContext;
 use crate::forces::registry::{ForceLaws, Laws};
-use crate::forces::tile_buffer::TileBuffer;
 use crate::forces::under_laws::for_each_chunk_under;
 use crate::integrator::Integrator;
 use crate::integrators::derived::derived;
 use crate::integrators::kinematic;
 use crate::integrators::kinetic_energy::KineticEnergy;
-use crate::integrators::state::{Force, State};
-use crate::integrators::{AnyWidth, ConstantForce, MoserVeselov, NoAccount, RungeKutta4, Scheme, SemiImplicitEuler};
+use crate::integrators::{MoserVeselov, RungeKutta4, Scheme, SemiImplicitEuler};
 use crate::math::{Real, Vec3};
 use crate::settings::Settings;
 use crate::simd::{Kernel, Tile, dispatch};
 use crate::solver::constrained_bodies::ConstrainedBodies;
+use crate::step::advance::{Extent, advance};
 use crate::step::interacting::{InteractingWorld, KinematicBodies, integrate_interacting};
 use crate::step::interactions::Interactions;
 use crate::step::phase_times::PhaseTimes;
@@ -254,173 +250,6 @@ pub(crate) fn integrate_unconstrained(
         let awake = bodies.wrench.iter_mut().zip(slots).filter(|(_, slot)| !constrained.sleepers.has(**slot));
         awake.for_each(|(wrench, _)| *wrench = Wrench::default());
     }
-}
-
-/// How much of how many steps is done.
-#[derive(Clone, Copy)]
-enum Extent {
-    /// The integration of one step.
-    Integration(Wrenches),
-    /// All systems of this many steps.
-    Steps(u32),
-}
-
-impl Extent {
-    /// Whether all systems run.
-    fn is_all(self) -> bool {
-        matches!(self, Self::Steps(_))
-    }
-
-    fn wrenches(self) -> Wrenches {
-        match self {
-            Self::Integration(wrenches) => wrenches,
-            Self::Steps(_) => Wrenches::Consumed,
-        }
-    }
-}
-
-fn advance(
-    bodies: &mut Chunk<'_>,
-    laws: Laws<'_>,
-    settings: &Settings,
-    extent: Extent,
-    time_of_step: &dyn Fn(u32) -> f64,
-) {
-    match settings.integrator {
-        Integrator::SemiImplicitEuler => {
-            advance_with::<SemiImplicitEuler<()>>(bodies, laws, settings, extent, time_of_step);
-        }
-        Integrator::RungeKutta4 => advance_with::<RungeKutta4<()>>(bodies, laws, settings, extent, time_of_step),
-        Integrator::MoserVeselov => advance_with::<MoserVeselov<()>>(bodies, laws, settings, extent, time_of_step),
-    }
-}
-
-fn advance_with<S: AnyWidth>(
-    bodies: &mut Chunk<'_>,
-    laws: Laws<'_>,
-    settings: &Settings,
-    extent: Extent,
-    time_of_step: &dyn Fn(u32) -> f64,
-) {
-    if laws.is_empty() {
-        bodies.in_whole_tiles(|bodies| {
-            let acting = Lawless;
-            dispatch(&mut Advance { bodies, settings, extent, time_of_step, acting, scheme: PhantomData::<S> });
-        });
-    } else {
-        let mut tile = TileBuffer::new(ForceContext::new(settings));
-        bodies.in_whole_tiles(|bodies| {
-            let acting = UnderLaws { laws, tile: &mut tile };
-            dispatch(&mut Advance { bodies, settings, extent, time_of_step, acting, scheme: PhantomData::<S> });
-        });
-    }
-}
-
-/// The laws that act on the bodies of a kernel, if any do.
-trait Acting {
-    const LAWS: bool;
-
-    /// The laws, and where they see their bodies.
-    fn laws(&mut self) -> Option<(Laws<'_>, &mut TileBuffer)>;
-}
-
-/// No laws act.
-struct Lawless;
-
-impl Acting for Lawless {
-    const LAWS: bool = false;
-
-    #[inline(always)]
-    fn laws(&mut self) -> Option<(Laws<'_>, &mut TileBuffer)> {
-        None
-    }
-}
-
-/// These laws act.
-struct UnderLaws<'a> {
-    laws: Laws<'a>,
-    tile: &'a mut TileBuffer,
-}
-
-impl Acting for UnderLaws<'_> {
-    const LAWS: bool = true;
-
-    #[inline(always)]
-    fn laws(&mut self) -> Option<(Laws<'_>, &mut TileBuffer)> {
-        Some((self.laws, self.tile))
-    }
-}
-
-/// Advances bodies, a tile at a time.
-struct Advance<'k, 'a, S, A> {
-    bodies: &'k mut Chunk<'a>,
-    settings: &'k Settings,
-    extent: Extent,
-    time_of_step: &'k dyn Fn(u32) -> f64,
-    acting: A,
-    scheme: PhantomData<S>,
-}
-
-impl<S: AnyWidth, A: Acting> Kernel for Advance<'_, '_, S, A> {
-    #[inline(always)]
-    fn len(&self) -> usize {
-        self.bodies.len()
-    }
-
-    #[inline(always)]
-    fn tile<T: Tile>(&mut self, i: usize) {
-        let (bodies, settings) = (&mut *self.bodies, self.settings);
-        let constants = bodies.constants::<T>(i);
-        let scheme = S::Of::<T>::new(&constants, T::splat(settings.substep().into()));
-        let acting = match self.acting.laws() {
-            Some((laws, tile)) => Some(ActingLaws::new((bodies, i), &constants, tile, laws)),
-            None => None,
-        };
-        let mut force = bodies.force::<T>(i, self.extent.wrenches());
-        let mut state = bodies.state::<T>(i);
-        let (steps, gravity) = match self.extent {
-            Extent::Integration(_) => (1, LaneVec3::zero()),
-            Extent::Steps(steps) => {
-                let gravity = bodies.gravity::<T>(i, constants.mass, splat(settings.gravity));
-                force.force = force.force + gravity;
-                (steps, gravity)
-            }
-        };
-        for step in 0..steps {
-            if step + 1 == steps && self.extent.is_all() {
-                bodies.set_previous_pose(i, &state);
-            }
-            let time = if A::LAWS { (self.time_of_step)(step) } else { 0.0 };
-            state = substeps(&scheme, state, force, &acting, settings, time);
-            // The wrench is consumed, and gravity added to nothing, as a step of its own does it.
-            force = Force { force: LaneVec3::zero() + gravity, torque: LaneVec3::zero() };
-        }
-        if self.extent.is_all() && (bodies.velocity.is_some() || bodies.inverse_inertia.is_some()) {
-            bodies.set_derived(i, &derived(&constants, &state));
-        }
-        bodies.set_state(i, &state);
-    }
-}
-
-#[inline(always)]
-fn substeps<T: Tile, S: Scheme<T>>(
-    scheme: &S,
-    mut state: State<T>,
-    force: Force<T>,
-    acting: &Option<ActingLaws<'_, T>>,
-    settings: &Settings,
-    time: f64,
-) -> State<T> {
-    for substep in 0..settings.substeps {
-        state = match acting {
-            Some(acting) => {
-                let time = time + f64::from(substep) * f64::from(settings.substep());
-                scheme.advance(state, &TileLawForces { acting, constant: force, time }, &mut NoAccount)
-            }
-            None => scheme.advance(state, &ConstantForce(force), &mut NoAccount),
-        };
-    }
-    state
 }
 
 fn integrate_with_account<S: Scheme<Real>>(bodies: &mut Chunk<'_>, laws: Laws<'_>, settings: &Settings, time: f64) {

@@ -128,7 +128,7 @@ macro_rules! columns {
             }
 
             /// Some of the rows.
-            fn rows(&mut self, rows: Range<usize>) -> Chunk<'_> {
+            pub(crate) fn rows(&mut self, rows: Range<usize>) -> Chunk<'_> {
                 Chunk {
                     first_row: self.first_row + rows.start,
                     $($written: &mut self.$written[rows.clone()],)+

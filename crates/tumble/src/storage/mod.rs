@@ -4,5 +4,6 @@
 pub(crate) mod body_index;
 pub(crate) mod body_order;
 pub(crate) mod chunk;
+pub(crate) mod plain_chunk;
 pub(crate) mod tile_io;
 pub(crate) mod world_columns;

@@ -67,12 +67,25 @@ impl Chunk<'_> {
     /// memory that is not written need not be brought back.
     #[inline(always)]
     pub(crate) fn force<T: Tile>(&mut self, i: usize, wrenches: Wrenches) -> Force<T> {
-        let numbers = T::load(&self.wrench[i..]);
-        if wrenches == Wrenches::Consumed && !T::are_zero(numbers) {
-            T::store([T::splat(0.0); 6], &mut self.wrench[i..]);
+        let (force, is_zero) = self.wrenches(i);
+        if wrenches == Wrenches::Consumed && !is_zero {
+            self.clear_wrenches::<T>(i);
         }
+        force
+    }
+
+    /// The wrenches of the bodies from row `i`, and whether all of them are zero.
+    #[inline(always)]
+    pub(crate) fn wrenches<T: Tile>(&self, i: usize) -> (Force<T>, bool) {
+        let numbers = T::load(&self.wrench[i..]);
         let [x, y, z, a, b, c] = numbers;
-        Force { force: Vec3::new(x, y, z), torque: Vec3::new(a, b, c) }
+        (Force { force: Vec3::new(x, y, z), torque: Vec3::new(a, b, c) }, T::are_zero(numbers))
+    }
+
+    /// Sets the wrenches of the bodies from row `i` to zero.
+    #[inline(always)]
+    pub(crate) fn clear_wrenches<T: Tile>(&mut self, i: usize) {
+        T::store([T::splat(0.0); 6], &mut self.wrench[i..]);
     }
 
     /// The state of the bodies from row `i`.
