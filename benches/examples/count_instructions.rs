@@ -18,15 +18,15 @@ use std::process::{Command, ExitCode};
 use tumble::math::{PRECISION, Vec3};
 use tumble::{Batch, Integrator, QueryFilter, Settings, Simulation, Trial, simd_name};
 use tumble_benches::{
-    JointKind, attracting_points, chain, eight_boxes, falling_balls, net_of_springs, pyramid, rays_through_boxes,
-    scattered_boxes, tumbling_boxes,
+    HillBodies, HillGround, JointKind, attracting_points, chain, eight_boxes, falling_balls, hills, net_of_springs,
+    pyramid, rays_through_boxes, scattered_boxes, tumbling_boxes,
 };
 
 /// Of free bodies: whole tiles, in whole chunks.
 const BODIES: u32 = 4096;
 /// Where bodies act on each other: a name, how many they are, and after how many steps counting
 /// begins.
-const COUPLED: [(&str, u32, u32); 9] = [
+const COUPLED: [(&str, u32, u32); 13] = [
     ("springs", 1024, 5),
     ("attraction", 256, 5),
     ("pyramid", 204, 5),
@@ -34,9 +34,15 @@ const COUPLED: [(&str, u32, u32); 9] = [
     ("worlds", WORLDS * 8, 60),
     ("chain", JOINTS * SUBSTEPS, 5),
     ("hinges", JOINTS * SUBSTEPS, 5),
+    ("hill-boxes", ON_HILLS, 60),
+    ("hill-balls", ON_HILLS, 60),
+    ("hill-capsules", ON_HILLS, 60),
+    ("mesh-hills", ON_HILLS, 60),
     ("rays", RAYS, 1),
     ("unmoved", UNMOVED, 1),
 ];
+/// Bodies on hills: of a height field, or all kinds on a mesh.
+const ON_HILLS: u32 = 100;
 /// Rays of a hundred metres among ten thousand boxes.
 const RAYS: u32 = 256;
 /// Bodies of which queries find out that none has moved.
@@ -90,6 +96,10 @@ fn step_world(scene: &str, steps: u32) -> Result<(), Failure> {
         "attraction" => (attracting_points(count as usize), settings.with_gravity(Vec3::ZERO).with_dt(1e-3)),
         "pyramid" => (pyramid(8), settings),
         "balls" => (falling_balls(count as usize), settings),
+        "hill-boxes" => (hills(count as usize, HillBodies::Boxes, HillGround::HeightField), settings),
+        "hill-balls" => (hills(count as usize, HillBodies::Balls, HillGround::HeightField), settings),
+        "hill-capsules" => (hills(count as usize, HillBodies::Capsules, HillGround::HeightField), settings),
+        "mesh-hills" => (hills(count as usize, HillBodies::Mixed, HillGround::Mesh), settings),
         "chain" => (chain(JOINTS as usize, JointKind::Ball), settings.with_contact_substeps(SUBSTEPS)),
         "hinges" => (chain(JOINTS as usize, JointKind::Hinge), settings.with_contact_substeps(SUBSTEPS)),
         integrator => (tumbling_boxes(count as usize), settings.with_integrator(integrator.parse()?)),

@@ -11,6 +11,7 @@
     )
 )]
 
+mod hills;
 mod jointed;
 mod piles;
 mod pulling;
@@ -20,6 +21,7 @@ mod rays;
 mod scenes;
 mod threads;
 
+pub use hills::{HillBodies, HillGround, hills};
 pub use jointed::{JointKind, LINK, arm, bridge, chain, net, pendulums, ragdolls};
 pub use piles::{FRICTION, PileShape, eight_boxes, falling_balls, pyramid};
 pub use pulling::{attracting_points, net_of_springs};

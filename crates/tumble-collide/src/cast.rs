@@ -11,9 +11,11 @@ use crate::convex_pair::difference;
 use crate::course::Course;
 use crate::gjk::{Nearest, nearest};
 use crate::manifold::{ContactPoint, Manifold, Points};
+use crate::minkowski::Difference;
 use crate::scalar::Scalar;
 use crate::support_map::{Convex, Vector, narrow};
-use crate::surface::Surface;
+use crate::surface::{Surface, normal_of};
+use crate::triangle_approach::triangle_approach;
 use crate::work;
 
 /// A way is followed in at most this number of advances for each half turn, and for that many of
@@ -92,6 +94,13 @@ pub(crate) struct Moving<'a> {
     pub(crate) courses: [&'a Course; 2],
     /// How far points are from what they turn about at most.
     pub(crate) radii: [f64; 2],
+    /// Where they are at the beginning.
+    pub(crate) start: [Isometry<f64>; 2],
+}
+
+/// Where shapes are when their courses begin.
+pub(crate) fn starts(courses: [&Course; 2]) -> [Isometry<f64>; 2] {
+    courses.map(|course| course.at(0.0))
 }
 
 /// How far two shapes are apart at some moment, and the unit vector from the first to the second.
@@ -162,7 +171,7 @@ impl<'a> Moving<'a> {
             courses[which].off_center() + (reach - layer).max(0.0)
         };
         let radii = [reach(0, layer), reach(1, other_layer)];
-        Self { shapes: [first, second], layers: layer + other_layer, courses, radii }
+        Self { shapes: [first, second], layers: layer + other_layer, courses, radii, start: starts(courses) }
     }
 
     /// Whether balls around both pass each other, or a ball around one passes the other: these turn
@@ -176,7 +185,8 @@ impl<'a> Moving<'a> {
             let courses = [course(0), course(1)];
             let courses = [&courses[0], &courses[1]];
             let shapes = [shape(0), shape(1)];
-            Moving { shapes, layers: self.layers + more, courses, radii }.meet(tolerance, slack).is_none()
+            let start = [0, 1].map(|i: usize| if which[i] { courses[i].at(0.0) } else { self.start[i] });
+            Moving { shapes, layers: self.layers + more, courses, radii, start }.meet(tolerance, slack).is_none()
         };
         let turns = self.courses.map(|course| course.angular().dot(course.angular()) > 0.0);
         match turns {
@@ -187,18 +197,21 @@ impl<'a> Moving<'a> {
         }
     }
 
+    /// Where one of them is.
+    fn at(&self, which: usize, moment: f64) -> Isometry<f64> {
+        let course = self.courses[which];
+        if moment == 0.0 || course.is_still() { self.start[which] } else { course.at(moment) }
+    }
+
     pub(crate) fn gap(&self, moment: f64) -> Option<Gap> {
-        let [first_at, second_at] = self.courses.map(|course| course.at(moment));
+        let [first_at, second_at] = [self.at(0, moment), self.at(1, moment)];
         let shapes = difference(self.shapes[0], &first_at, self.shapes[1], &second_at)?;
-        Some(match nearest(&shapes, f64::INFINITY) {
-            Nearest::Apart { between, on_first } => {
-                let length = between.dot(between).sqrt();
-                let normal = first_at.orientation.rotate(between * (1.0 / length));
+        Some(match apart(&shapes) {
+            Some((length, normal, on_first)) => {
+                let normal = first_at.orientation.rotate(normal);
                 Gap { distance: length - self.layers, normal, on_first: first_at.to_world(on_first) }
             }
-            Nearest::Far | Nearest::Overlap(_) => {
-                Gap { distance: -self.layers, normal: Vector::zero(), on_first: first_at.position }
-            }
+            None => Gap { distance: -self.layers, normal: Vector::zero(), on_first: first_at.position },
         })
     }
 
@@ -267,6 +280,28 @@ impl<'a> Moving<'a> {
     }
 }
 
+/// The distance of two shapes that do not overlap, the unit vector from the first to the second and
+/// the nearest point of the first, in its frame.
+fn apart(shapes: &Difference<'_>) -> Option<(f64, Vector, Vector)> {
+    match (shapes.first, shapes.second) {
+        (Convex::Point, Convex::Point) => {
+            let length = shapes.position.dot(shapes.position).sqrt();
+            (length > 0.0).then(|| (length, shapes.position * (1.0 / length), Vector::zero()))
+        }
+        (Convex::Triangle(corners), Convex::Point | Convex::Segment { .. } | Convex::Cuboid { .. }) => {
+            let found = triangle_approach(shapes, normal_of(&corners), f64::INFINITY)?;
+            (found.between > 0.0).then_some((found.between, found.normal, found.on_first))
+        }
+        _ => match nearest(shapes, f64::INFINITY) {
+            Nearest::Apart { between, on_first } => {
+                let length = between.dot(between).sqrt();
+                Some((length, between * (1.0 / length), on_first))
+            }
+            Nearest::Far | Nearest::Overlap(_) => None,
+        },
+    }
+}
+
 /// The first meeting of a convex shape with a surface.
 fn with_surface<R: Scalar>(
     surface: &impl Surface,
@@ -296,6 +331,7 @@ fn with_surface<R: Scalar>(
         let around = Aabb::about(ground.to_local(body), half);
         aabb = aabb.union(&around);
     }
+    let start = starts(courses);
     let mut triangles = Vec::new();
     surface.near(&aabb, &mut |triangle| triangles.push(triangle));
     if triangles.len() > MAX_TRIANGLES {
@@ -310,7 +346,7 @@ fn with_surface<R: Scalar>(
             courses[0].off_center() + furthest_from_origin(corners),
             courses[1].off_center() + (reach - layer).max(0.0),
         ];
-        let moving = Moving { shapes: [Convex::Triangle(corners), convex], layers: layer, courses, radii };
+        let moving = Moving { shapes: [Convex::Triangle(corners), convex], layers: layer, courses, radii, start };
         if moving.stays_over(normal, corners[0], tolerance) {
             continue;
         }
@@ -337,7 +373,7 @@ impl Moving<'_> {
     /// Whether the second stays on its side of the plane of a face of the first, given by its
     /// outward normal and a point in the frame of the first.
     fn stays_over(&self, normal: Vector, point: Vector, tolerance: f64) -> bool {
-        let [ground, body] = self.courses.map(|course| course.at(0.0));
+        let [ground, body] = self.start;
         let up = ground.orientation.rotate(normal);
         let lowest = body.to_world(self.shapes[1].support(body.orientation.rotate_back(up * -1.0)));
         let mut height = up.dot(lowest - ground.to_world(point)) - self.layers;
@@ -346,9 +382,9 @@ impl Moving<'_> {
             return false;
         }
         let mut begin = 0.0;
-        let mut ends: Vec<f64> = self.courses.iter().flat_map(|course| course.turns()).collect();
-        ends.sort_by(f64::total_cmp);
-        for end in ends {
+        while begin < 1.0 {
+            let later = self.courses.iter().flat_map(|course| course.turns()).filter(|end| *end > begin);
+            let end = later.fold(1.0, f64::min);
             height -= self.rate(self.way(begin), up).max(0.0) * (end - begin);
             begin = end;
         }

@@ -53,6 +53,11 @@ mod sphere;
 mod sphere_lanes;
 mod support_map;
 mod surface;
+mod surface_hits;
+mod triangle_approach;
+mod triangle_cuboid;
+#[cfg(test)]
+mod triangle_tests;
 mod underside;
 mod work;
 

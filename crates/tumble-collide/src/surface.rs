@@ -48,8 +48,7 @@ pub(crate) trait Surface {
 
     /// Unit normal, or zero of a triangle without area.
     fn normal(&self, triangle: u32) -> Vector {
-        let [a, b, c] = self.triangle(triangle);
-        unit((b - a).cross(c - a))
+        normal_of(&self.triangle(triangle))
     }
 
     /// The corner of the triangle beyond a side that is not on the side.
@@ -59,6 +58,11 @@ pub(crate) trait Surface {
         let beyond = self.corners(self.across(triangle, side)?);
         beyond.into_iter().find(|corner| !ends.contains(corner)).map(|corner| self.point(corner))
     }
+}
+
+/// The unit normal of a triangle, or zero if it has no area.
+pub(crate) fn normal_of([a, b, c]: &[Vector; 3]) -> Vector {
+    unit((*b - *a).cross(*c - *a))
 }
 
 /// What is precomputed of a surface.
