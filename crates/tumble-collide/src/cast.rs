@@ -15,7 +15,7 @@ use crate::minkowski::Difference;
 use crate::scalar::Scalar;
 use crate::support_map::{Convex, Vector, narrow};
 use crate::surface::{Surface, normal_of};
-use crate::triangle_approach::triangle_approach;
+use crate::triangle_approach::{distance_to, triangle_approach};
 use crate::work;
 
 /// A way is followed in at most this number of advances for each half turn, and for that many of
@@ -111,6 +111,13 @@ pub(crate) struct Gap {
     pub(crate) on_first: Vector,
 }
 
+/// What comes of shapes on their ways.
+enum Advance {
+    Met(Meeting),
+    /// They pass each other closely, somewhere in a span of time.
+    Near([f64; 2]),
+}
+
 impl Meeting {
     /// The first of two shapes on their ways, or the nearest that they come to each other if that
     /// is nearer than `slack` \[m\]. What is nearer than `tolerance` \[m\], above zero, meets. None
@@ -204,7 +211,7 @@ impl<'a> Moving<'a> {
     }
 
     pub(crate) fn gap(&self, moment: f64) -> Option<Gap> {
-        let [first_at, second_at] = [self.at(0, moment), self.at(1, moment)];
+        let (first_at, second_at) = (self.at(0, moment), self.at(1, moment));
         let shapes = difference(self.shapes[0], &first_at, self.shapes[1], &second_at)?;
         Some(match apart(&shapes) {
             Some((length, normal, on_first)) => {
@@ -230,6 +237,14 @@ impl<'a> Moving<'a> {
     }
 
     fn meet(&self, tolerance: f64, slack: f64) -> Option<Meeting> {
+        match self.advance(tolerance, slack, f64::INFINITY)? {
+            Advance::Met(met) => Some(met),
+            Advance::Near(span) => self.nearest(span, slack),
+        }
+    }
+
+    /// Follows them up to a moment; `None` where they stay apart, or meet later.
+    fn advance(&self, tolerance: f64, slack: f64, until: f64) -> Option<Advance> {
         let (mut now, mut before) = (0.0, 0.0);
         let mut nearest: Option<(f64, [f64; 2])> = None;
         for _ in 0..self.most_advances() {
@@ -237,7 +252,7 @@ impl<'a> Moving<'a> {
             let gap = self.gap(now)?;
             if gap.distance <= tolerance {
                 let Gap { distance, normal, .. } = gap;
-                return Some(Meeting { moment: now, is_hit: true, distance, normal });
+                return Some(Advance::Met(Meeting { moment: now, is_hit: true, distance, normal }));
             }
             let end = self.courses.iter().flat_map(|course| course.turns()).filter(|end| *end > now);
             let end = end.fold(1.0, f64::min);
@@ -250,13 +265,16 @@ impl<'a> Moving<'a> {
             }
             if next >= 1.0 {
                 let (least, span) = nearest?;
-                return if least <= NEARLY * slack { self.nearest(span, slack) } else { None };
+                return (least <= NEARLY * slack).then_some(Advance::Near(span));
             }
             (before, now) = (now, next);
+            if now >= until {
+                return None;
+            }
         }
         // They graze each other for long: from here on anything may be.
         let Gap { distance, normal, .. } = self.gap(now)?;
-        Some(Meeting { moment: now, is_hit: false, distance, normal })
+        Some(Advance::Met(Meeting { moment: now, is_hit: false, distance, normal }))
     }
 
     fn most_advances(&self) -> usize {
@@ -338,31 +356,66 @@ fn with_surface<R: Scalar>(
         return Some(Meeting { moment: 0.0, is_hit: false, distance: f64::INFINITY, normal: Vector::zero() });
     }
     triangles.sort_unstable();
-    let mut first: Option<Meeting> = None;
-    for triangle in triangles {
+    let around = ball_around(courses, &start[0]);
+    let over = |triangle: u32| {
         let corners = surface.triangle(triangle);
-        let normal = surface.normal(triangle);
         let radii = [
             courses[0].off_center() + furthest_from_origin(corners),
             courses[1].off_center() + (reach - layer).max(0.0),
         ];
-        let moving = Moving { shapes: [Convex::Triangle(corners), convex], layers: layer, courses, radii, start };
-        if moving.stays_over(normal, corners[0], tolerance) {
-            continue;
-        }
-        if moving.are_passed(tolerance, slack) {
-            continue;
-        }
-        let Some(met) = moving.meet(tolerance, slack) else { continue };
+        Moving { shapes: [Convex::Triangle(corners), convex], layers: layer, courses, radii, start }
+    };
+    let key = |met: &Meeting| (!met.is_hit, met.moment);
+    let mut first: Option<Meeting> = None;
+    let mut take = |met: Meeting, normal: Vector, corner: Vector| {
         let [ground, body] = courses.map(|course| course.at(met.moment));
         let middle = ground.to_local(body.to_world(convex.middle()));
-        let is_before = normal.dot(middle - corners[0]) > 0.0;
-        let key = |met: &Meeting| (!met.is_hit, met.moment);
+        let is_before = normal.dot(middle - corner) > 0.0;
         if is_before && first.as_ref().is_none_or(|first| key(&met) < key(first)) {
             first = Some(met);
         }
+        first.filter(|first| first.is_hit).map_or(f64::INFINITY, |first| first.moment)
+    };
+    let (mut until, mut passed) = (f64::INFINITY, Vec::new());
+    for triangle in triangles {
+        let moving = over(triangle);
+        let Convex::Triangle(corners) = moving.shapes[0] else { continue };
+        let normal = normal_of(&corners);
+        let far = around.is_some_and(|(middle, radius)| {
+            let more = moving.radii[1] + layer + slack.max(tolerance);
+            distance_to(&corners, normal, middle) > radius + more
+        });
+        if far || moving.stays_over(normal, corners[0], tolerance) || moving.are_passed(tolerance, slack) {
+            continue;
+        }
+        match moving.advance(tolerance, slack, until) {
+            Some(Advance::Met(met)) => until = take(met, normal, corners[0]),
+            Some(Advance::Near(span)) => passed.push((triangle, span)),
+            None => {}
+        }
+    }
+    // What is only passed counts where nothing is met.
+    if until == f64::INFINITY {
+        for (triangle, span) in passed {
+            if let Some(met) = over(triangle).nearest(span, slack) {
+                take(met, surface.normal(triangle), surface.triangle(triangle)[0]);
+            }
+        }
     }
     first
+}
+
+/// The middle of the way of the second's centre, as a first that stays sees it, and how far the
+/// centre is from there at most.
+fn ball_around(courses: [&Course; 2], ground: &Isometry<f64>) -> Option<(Vector, f64)> {
+    let center = courses[1].of_center();
+    let (from, to) = (center.at(0.0).position, center.at(1.0).position);
+    let middle = (from + to) * 0.5;
+    let radius = center.turns().chain([0.0]).fold(0.0, |most, moment| {
+        let apart = center.at(moment).position - middle;
+        f64::max(most, apart.dot(apart))
+    });
+    courses[0].is_still().then(|| (ground.to_local(middle), radius.sqrt()))
 }
 
 pub(crate) fn furthest_from_origin(corners: [Vector; 3]) -> f64 {

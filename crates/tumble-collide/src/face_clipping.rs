@@ -59,6 +59,7 @@ struct Left<R> {
 }
 
 /// Up to `M` of something.
+#[derive(Clone, Copy)]
 pub(crate) struct List<T, const M: usize> {
     items: [T; M],
     len: usize,
@@ -293,11 +294,20 @@ fn clipped<R: Scalar, const M: usize>(
     edge: u32,
     beyond: impl Fn(Vec3<R>) -> R,
 ) -> List<Left<R>, M> {
-    let mut left = List::of(Left { at: Vec3::zero(), edge: 0 });
     let (zero, corners) = (R::splat(0.0), polygon.items());
+    let mut heights = [zero; M];
+    heights.iter_mut().zip(corners).for_each(|(height, corner)| *height = beyond(corner.at));
+    let heights = &heights[..corners.len()];
+    if heights.iter().all(|height| *height <= zero) {
+        return *polygon;
+    }
+    let mut left = List::of(Left { at: Vec3::zero(), edge: 0 });
+    if !heights.iter().any(|height| *height <= zero) {
+        return left;
+    }
+    let mut last = corners.len() - 1;
     for (index, corner) in corners.iter().enumerate() {
-        let before = corners[if index == 0 { corners.len() - 1 } else { index - 1 }];
-        let (from, to) = (beyond(before.at), beyond(corner.at));
+        let (before, from, to) = (corners[last], heights[last], heights[index]);
         if (from <= zero) != (to <= zero) {
             let at = before.at + (corner.at - before.at) * (from / (from - to));
             // Going out, it goes on along what cuts; coming in, along the edge it was on.
@@ -306,6 +316,7 @@ fn clipped<R: Scalar, const M: usize>(
         if to <= zero {
             left.push(*corner);
         }
+        last = index;
     }
     left
 }

@@ -121,21 +121,12 @@ pub(crate) fn parts(surface: &impl Surface, points: usize) -> u32 {
 }
 
 impl<S: Surface> Over<'_, S> {
-    fn support(&self, d: Vector) -> Vector {
-        self.shape.second_support(d)
-    }
-
     fn find(&mut self) {
         let Scratch { near, hits, asked, .. } = &mut *self.memory;
         near.clear();
         hits.list.clear();
         asked.clear();
-        let reach = self.layer + self.margin;
-        let far = |axis: Vector| axis.dot(self.shape.second_support(axis)) + reach;
-        let axes = [Vector::new(1.0, 0.0, 0.0), Vector::new(0.0, 1.0, 0.0), Vector::new(0.0, 0.0, 1.0)];
-        let [high, low] = [1.0, -1.0].map(|sign| axes.map(|axis| far(axis * sign) * sign));
-        let corner = |[x, y, z]: [f64; 3]| Vector::new(x, y, z);
-        let aabb = Aabb { low: corner(low), high: corner(high) };
+        let aabb = around(&self.shape, self.layer + self.margin);
         let size = aabb.high - aabb.low - Vector::splat(2.0 * self.margin);
         self.small = f64::min(self.margin, size.dot(size).sqrt());
         self.surface.near(&aabb, &mut |triangle| near.push(triangle));
@@ -150,14 +141,15 @@ impl<S: Surface> Over<'_, S> {
     fn meet(&mut self, triangle: u32, middle: Vector) {
         let corners = self.surface.triangle(triangle);
         let normal = normal_of(&corners);
-        let depth = normal.dot(self.support(normal * -1.0) - corners[0]) - self.layer;
+        let lowest = self.shape.second_support(normal * -1.0);
+        let depth = normal.dot(lowest - corners[0]) - self.layer;
         // What is behind, or nowhere, or a triangle without area.
         if !(depth <= self.margin && normal.dot(middle - corners[0]) > 0.0) {
             return;
         }
         let shapes = Difference { first: Convex::Triangle(corners), ..self.shape };
         let before = self.memory.hits.list.len();
-        let least = self.hold_over_face(triangle, &shapes, normal, depth);
+        let least = self.hold_over_face(triangle, &shapes, normal, (lowest, depth));
         let all_of_it = least <= depth + AS_NEAR * self.small;
         let has_edge = self.surface.patches().has_edge(triangle);
         // Over the plane nothing of the triangle is nearer than the plane.
@@ -179,14 +171,21 @@ impl<S: Surface> Over<'_, S> {
         }
     }
 
-    /// Adds points over the triangle itself; returns the least of their separations.
-    fn hold_over_face(&mut self, triangle: u32, shapes: &Difference<'_>, normal: Vector, depth: f64) -> f64 {
+    /// Adds points over the triangle itself; returns the least of their separations. Of the shape's
+    /// inside the lowest point is given, and how far the shape is over the plane.
+    fn hold_over_face(
+        &mut self,
+        triangle: u32,
+        shapes: &Difference<'_>,
+        normal: Vector,
+        lowest: (Vector, f64),
+    ) -> f64 {
         let down = shapes.turned_back(normal * -1.0);
         match small_piece(&shapes.second, down) {
-            Some(piece) => self.hold_piece::<4, SMALL>(triangle, shapes, &piece, normal, depth),
+            Some(piece) => self.hold_piece::<4, SMALL>(triangle, shapes, &piece, normal, lowest),
             None => {
                 let piece = shapes.second.feature(down, self.margin);
-                self.hold_piece::<MAX_CORNERS, { 2 * MAX_CORNERS }>(triangle, shapes, &piece, normal, depth)
+                self.hold_piece::<MAX_CORNERS, { 2 * MAX_CORNERS }>(triangle, shapes, &piece, normal, lowest)
             }
         }
     }
@@ -199,7 +198,7 @@ impl<S: Surface> Over<'_, S> {
         shapes: &Difference<'_>,
         piece: &Feature<f64, N>,
         normal: Vector,
-        depth: f64,
+        (lowest, depth): (Vector, f64),
     ) -> f64 {
         let Convex::Triangle(corners) = shapes.first else { return f64::INFINITY };
         let below = piece.seen(|point| shapes.place(point), |v| shapes.turn(v));
@@ -212,7 +211,6 @@ impl<S: Surface> Over<'_, S> {
         }
         if least > depth + AS_NEAR * self.small {
             // The face that looks down most need not have the lowest corner.
-            let lowest = self.support(normal * -1.0);
             if is_over(corners, normal, lowest) {
                 let position = lowest - normal * (self.layer + 0.5 * depth);
                 self.hold(triangle, normal, ContactPoint { position, separation: depth, feature: u32::MAX }, carried);
@@ -427,6 +425,25 @@ impl<S: Surface> Over<'_, S> {
             visit(unit(away - along * along.dot(away)));
         }
     }
+}
+
+/// The box along the axes around a shape with a layer.
+fn around(shape: &Difference<'_>, layer: f64) -> Aabb<f64> {
+    let (middle, axes) = (shape.position, &shape.axes);
+    let abs = |v: Vector| Vector::new(v.x.abs(), v.y.abs(), v.z.abs());
+    let half = match shape.second {
+        Convex::Point => Vector::zero(),
+        Convex::Segment { half_height } => abs(axes[1]) * half_height,
+        Convex::Cuboid { half } => abs(axes[0]) * half.x + abs(axes[1]) * half.y + abs(axes[2]) * half.z,
+        _ => {
+            let (x, y, z) = (Vector::new(1.0, 0.0, 0.0), Vector::new(0.0, 1.0, 0.0), Vector::new(0.0, 0.0, 1.0));
+            let far = |axis: Vector| axis.dot(shape.second_support(axis));
+            let high = Vector::new(far(x), far(y), far(z)) + Vector::splat(layer);
+            let low = Vector::new(-far(x * -1.0), -far(y * -1.0), -far(z * -1.0)) - Vector::splat(layer);
+            return Aabb { low, high };
+        }
+    };
+    Aabb::about(middle, half + Vector::splat(layer))
 }
 
 /// The piece of a point, a segment or a box that lies furthest in a direction.

@@ -34,7 +34,8 @@ pub(crate) trait Surface {
     fn patches(&self) -> &Patches;
 
     fn triangle(&self, triangle: u32) -> [Vector; 3] {
-        self.corners(triangle).map(|corner| self.point(corner))
+        let [a, b, c] = self.corners(triangle);
+        [self.point(a), self.point(b), self.point(c)]
     }
 
     /// The ends of each side of the triangles, of two that are next to each other once.

@@ -36,6 +36,12 @@ fn nearest_to(corners: &[Vector; 3], normal: Vector, point: Vector) -> (Vector, 
     }
 }
 
+/// How far a point is from a triangle with a unit normal, or none if it has no area.
+pub(crate) fn distance_to(corners: &[Vector; 3], normal: Vector, point: Vector) -> f64 {
+    let apart = nearest_to(corners, normal, point).0 - point;
+    apart.dot(apart).sqrt()
+}
+
 /// Of a point over a face.
 fn over_face(corners: &[Vector; 3], normal: Vector, on_first: Vector, point: Vector) -> Approach {
     let height = normal.dot(point - corners[0]);
