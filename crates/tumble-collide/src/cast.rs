@@ -212,6 +212,15 @@ impl<'a> Moving<'a> {
 
     pub(crate) fn gap(&self, moment: f64) -> Option<Gap> {
         let (first_at, second_at) = (self.at(0, moment), self.at(1, moment));
+        if let [Convex::Point, Convex::Point] = self.shapes {
+            // No axes are needed.
+            let between = first_at.to_local(second_at.position);
+            let length = between.dot(between).sqrt();
+            let normal = if length > 0.0 { between * (1.0 / length) } else { Vector::zero() };
+            let normal = first_at.orientation.rotate(normal);
+            let is_somewhere = length < f64::INFINITY;
+            return is_somewhere.then(|| Gap { distance: length - self.layers, normal, on_first: first_at.position });
+        }
         let shapes = difference(self.shapes[0], &first_at, self.shapes[1], &second_at)?;
         Some(match apart(&shapes) {
             Some((length, normal, on_first)) => {
@@ -302,10 +311,6 @@ impl<'a> Moving<'a> {
 /// the nearest point of the first, in its frame.
 fn apart(shapes: &Difference<'_>) -> Option<(f64, Vector, Vector)> {
     match (shapes.first, shapes.second) {
-        (Convex::Point, Convex::Point) => {
-            let length = shapes.position.dot(shapes.position).sqrt();
-            (length > 0.0).then(|| (length, shapes.position * (1.0 / length), Vector::zero()))
-        }
         (Convex::Triangle(corners), Convex::Point | Convex::Segment { .. } | Convex::Cuboid { .. }) => {
             let found = triangle_approach(shapes, normal_of(&corners), f64::INFINITY)?;
             (found.between > 0.0).then_some((found.between, found.normal, found.on_first))

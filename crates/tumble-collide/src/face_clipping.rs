@@ -59,7 +59,6 @@ struct Left<R> {
 }
 
 /// Up to `M` of something.
-#[derive(Clone, Copy)]
 pub(crate) struct List<T, const M: usize> {
     items: [T; M],
     len: usize,
@@ -231,7 +230,7 @@ fn cut<R: Scalar, const N: usize, const K: usize, const M: usize>(
             let mut polygon: List<Left<R>, M> = List::of(Left { at: Vec3::zero(), edge: 0 });
             corners.iter().for_each(|corner| polygon.push(Left { at: corner.at, edge: corner.id & ID }));
             for (id, out, from) in sides(face, outwards) {
-                polygon = clipped(&polygon, CUTTING | id, |at| out.dot(at - from));
+                clip(&mut polygon, CUTTING | id, |at| out.dot(at - from));
             }
             let left = polygon.items();
             for (index, corner) in left.iter().enumerate() {
@@ -288,23 +287,20 @@ fn cut_line<R: Scalar, const K: usize>(
     }
 }
 
-/// What is left of a polygon where `beyond` is not positive; the side that cuts is called `edge`.
-fn clipped<R: Scalar, const M: usize>(
-    polygon: &List<Left<R>, M>,
-    edge: u32,
-    beyond: impl Fn(Vec3<R>) -> R,
-) -> List<Left<R>, M> {
+/// Leaves of a polygon what is where `beyond` is not positive; the side that cuts is called `edge`.
+fn clip<R: Scalar, const M: usize>(polygon: &mut List<Left<R>, M>, edge: u32, beyond: impl Fn(Vec3<R>) -> R) {
     let (zero, corners) = (R::splat(0.0), polygon.items());
     let mut heights = [zero; M];
     heights.iter_mut().zip(corners).for_each(|(height, corner)| *height = beyond(corner.at));
     let heights = &heights[..corners.len()];
     if heights.iter().all(|height| *height <= zero) {
-        return *polygon;
+        return;
+    }
+    if !heights.iter().any(|height| *height <= zero) {
+        polygon.len = 0;
+        return;
     }
     let mut left = List::of(Left { at: Vec3::zero(), edge: 0 });
-    if !heights.iter().any(|height| *height <= zero) {
-        return left;
-    }
     let mut last = corners.len() - 1;
     for (index, corner) in corners.iter().enumerate() {
         let (before, from, to) = (corners[last], heights[last], heights[index]);
@@ -318,5 +314,5 @@ fn clipped<R: Scalar, const M: usize>(
         }
         last = index;
     }
-    left
+    *polygon = left;
 }

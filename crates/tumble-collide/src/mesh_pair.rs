@@ -21,6 +21,7 @@ use crate::support_map::{Convex, Vector, narrow, unit};
 use crate::surface::{Surface, normal_of};
 use crate::surface_hits::{Hit, Hits};
 use crate::triangle_approach::triangle_approach;
+use crate::triangle_cuboid::is_beside;
 use crate::work;
 
 /// Overlaps of no more than this part of the margin need no second look: the way out is the
@@ -145,6 +146,11 @@ impl<S: Surface> Over<'_, S> {
         let depth = normal.dot(lowest - corners[0]) - self.layer;
         // What is behind, or nowhere, or a triangle without area.
         if !(depth <= self.margin && normal.dot(middle - corners[0]) > 0.0) {
+            return;
+        }
+        if let Convex::Cuboid { half } = self.shape.second
+            && is_beside(&self.shape, &corners, half, self.margin)
+        {
             return;
         }
         let shapes = Difference { first: Convex::Triangle(corners), ..self.shape };

@@ -65,6 +65,17 @@ pub(crate) fn of_cuboid(
     Some(Approach { normal, between: way.separation, lead: 0.0, on_first })
 }
 
+/// Whether a box is further from the corners of a triangle than `limit` along one of its axes.
+pub(crate) fn is_beside(shapes: &Difference<'_>, corners: &[Vector; 3], half: Vector, limit: f64) -> bool {
+    let [a, b, c] = [corners[0], corners[1], corners[2]].map(|corner| corner - shapes.position);
+    let beyond = |axis: Vector, half: f64| {
+        let (a, b, c, most) = (axis.dot(a), axis.dot(b), axis.dot(c), half + limit);
+        (a > most && b > most && c > most) || (a < -most && b < -most && c < -most)
+    };
+    let [x, y, z] = &shapes.axes;
+    beyond(*x, half.x) || beyond(*y, half.y) || beyond(*z, half.z)
+}
+
 impl Seen {
     /// The best of the normals of faces.
     fn across_faces(&self) -> Way {
