@@ -46,11 +46,8 @@ pub fn hills(count: usize, bodies: HillBodies, ground: HillGround) -> World {
     for index in 0..count {
         let across = |place: usize| PITCH * (place as f64 - 0.5 * (side as f64 - 1.0));
         let mut around = |middle: f64, width: f64| (middle + width * (2.0 * rng.unit() - 1.0)) as Real;
-        let place = Vec3::new(
-            around(across(index % side), 0.3),
-            HEIGHT as Real + 0.7,
-            around(across(index / side), 0.3),
-        );
+        let place =
+            Vec3::new(around(across(index % side), 0.3), HEIGHT as Real + 0.7, around(across(index / side), 0.3));
         let kind = match bodies {
             HillBodies::Boxes => 0,
             HillBodies::Balls => 1,
@@ -82,7 +79,8 @@ fn spawn_ground(world: &mut World, crossings: usize, ground: HillGround) {
                 [(index % crossings) as f64 - middle, *height, (index / crossings) as f64 - middle]
             };
             let corners: Vec<[f64; 3]> = heights.iter().enumerate().map(corner).collect();
-            let cells = (0..crossings - 1).flat_map(|row| (0..crossings - 1).map(move |column| row * crossings + column));
+            let cells =
+                (0..crossings - 1).flat_map(|row| (0..crossings - 1).map(move |column| row * crossings + column));
             let triangles: Vec<[u32; 3]> = cells
                 .flat_map(|here| {
                     let [here, along_z] = [here as u32, (here + crossings) as u32];

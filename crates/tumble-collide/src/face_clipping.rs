@@ -119,9 +119,8 @@ impl<R: Scalar> FaceClipping<R> {
         let nothing = ContactPoint { position: Vec3::zero(), separation: R::splat(0.0), feature: 0 };
         let mut found = List::of(nothing);
         let (one, half) = (R::splat(1.0), R::splat(0.5));
-        let is_face = |corners: usize, normal: Vec3<R>| {
-            corners > 2 && self.normal.dot(normal).abs() > R::splat(EDGE_ON)
-        };
+        let is_face =
+            |corners: usize, normal: Vec3<R>| corners > 2 && self.normal.dot(normal).abs() > R::splat(EDGE_ON);
         let [layer_1, layer_2] = self.layers;
         let mut carried = (R::splat(0.0), R::splat(0.0));
         let mut take = |shared: &Shared<R>, cut_is_first: bool, cut_layer: R, cutting_layer: R, outwards: Vec3<R>| {

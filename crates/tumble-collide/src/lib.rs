@@ -54,6 +54,7 @@ mod sphere_lanes;
 mod support_map;
 mod surface;
 mod surface_hits;
+mod surface_piece;
 mod triangle_approach;
 mod triangle_cuboid;
 #[cfg(test)]

@@ -8,7 +8,6 @@
 use std::cell::Cell;
 use std::collections::HashMap;
 
-use crate::aabb::Aabb;
 use crate::collider_shape::{ColliderShape, Isometry};
 use crate::convex_pair::{Approach, FACE_LEAD, difference, manifold_of, wide_placement, with_faces_first};
 use crate::face_clipping::{AS_NEAR, FaceClipping, ON_THE_SIDE, is_corner_of_second};
@@ -20,8 +19,8 @@ use crate::scalar::Scalar;
 use crate::support_map::{Convex, Vector, narrow, unit};
 use crate::surface::{Surface, normal_of};
 use crate::surface_hits::{Hit, Hits};
-use crate::triangle_approach::triangle_approach;
-use crate::triangle_cuboid::is_beside;
+use crate::surface_piece::{SMALL, around, face, small_piece};
+use crate::triangle_approach::{is_beside, triangle_approach};
 use crate::work;
 
 /// Overlaps of no more than this part of the margin need no second look: the way out is the
@@ -47,9 +46,6 @@ struct Place {
     sides: [usize; 2],
     corner: usize,
 }
-
-/// The most points that a triangle has in common with a piece of four corners, and one more.
-const SMALL: usize = 8;
 
 /// Memory that the next pair overwrites.
 #[derive(Default)]
@@ -148,9 +144,13 @@ impl<S: Surface> Over<'_, S> {
         if !(depth <= self.margin && normal.dot(middle - corners[0]) > 0.0) {
             return;
         }
-        if let Convex::Cuboid { half } = self.shape.second
-            && is_beside(&self.shape, &corners, half, self.margin)
-        {
+        if is_beside(&self.shape, &corners, normal, self.margin + self.layer) {
+            return;
+        }
+        let is_ball_over = matches!(self.shape.second, Convex::Point) && is_over(corners, normal, lowest);
+        if is_ball_over {
+            let position = lowest - normal * (self.layer + 0.5 * depth);
+            self.hold(triangle, normal, ContactPoint { position, separation: depth, feature: 0 }, 1.0);
             return;
         }
         let shapes = Difference { first: Convex::Triangle(corners), ..self.shape };
@@ -179,13 +179,7 @@ impl<S: Surface> Over<'_, S> {
 
     /// Adds points over the triangle itself; returns the least of their separations. Of the shape's
     /// inside the lowest point is given, and how far the shape is over the plane.
-    fn hold_over_face(
-        &mut self,
-        triangle: u32,
-        shapes: &Difference<'_>,
-        normal: Vector,
-        lowest: (Vector, f64),
-    ) -> f64 {
+    fn hold_over_face(&mut self, triangle: u32, shapes: &Difference<'_>, normal: Vector, lowest: (Vector, f64)) -> f64 {
         let down = shapes.turned_back(normal * -1.0);
         match small_piece(&shapes.second, down) {
             Some(piece) => self.hold_piece::<4, SMALL>(triangle, shapes, &piece, normal, lowest),
@@ -267,7 +261,6 @@ impl<S: Surface> Over<'_, S> {
 
     /// Points over the side or the corner that an approach goes out from, if it may.
     fn over_edge(&mut self, triangle: u32, place: &Place, shapes: &Difference<'_>, found: &Approach) {
-        let surface = self.surface;
         if place.sides[0] != place.sides[1] {
             // Each asks all sides at the corner, and of a corner that many triangles have each has
             // the same to say.
@@ -277,22 +270,7 @@ impl<S: Surface> Over<'_, S> {
                 return;
             }
         }
-        let settled = if self.layer > 0.0 { *found } else { with_faces_first(shapes, found) };
-        // Where they overlap, what is shortest for a triangle alone may lie outside of the region:
-        // then some direction at its border is nearly as short.
-        let at = |normal: Vector| Approach { normal, between: shapes.separation(normal), ..*found };
-        let led_away = std::iter::once_with(|| Some(at(self.led_away(triangle, place, found.normal))));
-        let sides = [None, Some(place.sides[0]), Some(place.sides[1])];
-        let borders = sides.into_iter().map(|side| {
-            let other = side.map_or(Some(triangle), |side| surface.across(triangle, side));
-            other.map(|other| at(surface.normal(other)))
-        });
-        let at_border = led_away.chain(borders).flatten();
-        // A direction from a ball's centre is as good as can be.
-        let lead = if self.layer > 0.0 { OUTSIDE * OUTSIDE } else { FACE_LEAD };
-        let as_short = |approach: &Approach| approach.between >= found.between - lead;
-        let mut ways = [settled, *found].into_iter().chain(at_border);
-        let Some(way) = ways.find(|way| as_short(way) && self.leads_away(triangle, place, way.normal)) else {
+        let Some(way) = self.way_out(triangle, place, shapes, found) else {
             self.keep_spare(triangle, shapes, found);
             return;
         };
@@ -308,13 +286,46 @@ impl<S: Surface> Over<'_, S> {
         self.memory.hits.list.extend(manifold.points().iter().map(hit));
     }
 
+    /// The way out over a side or a corner, if one as short as an approach leads away from all of the
+    /// surface there.
+    fn way_out(&self, triangle: u32, place: &Place, shapes: &Difference<'_>, found: &Approach) -> Option<Approach> {
+        // A direction from a ball's centre is as good as can be.
+        let lead = if self.layer > 0.0 { OUTSIDE * OUTSIDE } else { FACE_LEAD };
+        let holds =
+            |way: &Approach| way.between >= found.between - lead && self.leads_away(triangle, place, way.normal);
+        let settled = if self.layer > 0.0 { *found } else { with_faces_first(shapes, found) };
+        if holds(&settled) {
+            return Some(settled);
+        }
+        if self.layer > 0.0 && found.between > 0.0 {
+            return None;
+        }
+        if holds(found) {
+            return Some(*found);
+        }
+        // Where they overlap, what is shortest for a triangle alone may lie outside of the region:
+        // then some direction at its border is nearly as short.
+        let at = |normal: Vector| Approach { normal, between: shapes.separation(normal), ..*found };
+        let led_away = at(self.led_away(triangle, place, found.normal));
+        if holds(&led_away) {
+            return Some(led_away);
+        }
+        let across = |side: usize| self.surface.across(triangle, side);
+        let borders = [Some(triangle), across(place.sides[0]), across(place.sides[1])];
+        let mut ways = borders.into_iter().flatten().map(|other| at(self.surface.normal(other)));
+        ways.find(holds)
+    }
+
     /// Keeps a way out of a triangle whose own shortest way leads along the surface: that where it
     /// is short, or else through the face.
     fn keep_spare(&mut self, triangle: u32, shapes: &Difference<'_>, found: &Approach) {
+        if found.between > 0.0 {
+            return;
+        }
         let is_shallow = found.between >= self.layer - SHALLOW * self.small;
         let normal = if is_shallow { found.normal } else { self.surface.normal(triangle) };
         let between = shapes.separation(normal);
-        if found.between > 0.0 || self.spare.is_some_and(|most| between <= most) {
+        if self.spare.is_some_and(|most| between <= most) {
             return;
         }
         let manifold = self.manifold(shapes, &Approach { normal, between, ..*found });
@@ -430,47 +441,6 @@ impl<S: Surface> Over<'_, S> {
             let away = inside - from;
             visit(unit(away - along * along.dot(away)));
         }
-    }
-}
-
-/// The box along the axes around a shape with a layer.
-fn around(shape: &Difference<'_>, layer: f64) -> Aabb<f64> {
-    let (middle, axes) = (shape.position, &shape.axes);
-    let abs = |v: Vector| Vector::new(v.x.abs(), v.y.abs(), v.z.abs());
-    let half = match shape.second {
-        Convex::Point => Vector::zero(),
-        Convex::Segment { half_height } => abs(axes[1]) * half_height,
-        Convex::Cuboid { half } => abs(axes[0]) * half.x + abs(axes[1]) * half.y + abs(axes[2]) * half.z,
-        _ => {
-            let (x, y, z) = (Vector::new(1.0, 0.0, 0.0), Vector::new(0.0, 1.0, 0.0), Vector::new(0.0, 0.0, 1.0));
-            let far = |axis: Vector| axis.dot(shape.second_support(axis));
-            let high = Vector::new(far(x), far(y), far(z)) + Vector::splat(layer);
-            let low = Vector::new(-far(x * -1.0), -far(y * -1.0), -far(z * -1.0)) - Vector::splat(layer);
-            return Aabb { low, high };
-        }
-    };
-    Aabb::about(middle, half + Vector::splat(layer))
-}
-
-/// The piece of a point, a segment or a box that lies furthest in a direction.
-fn small_piece(shape: &Convex<'_>, direction: Vector) -> Option<Feature<f64, 4>> {
-    match *shape {
-        Convex::Point => Some(Feature::point(Vector::zero())),
-        Convex::Segment { half_height } => {
-            let end = Vector::new(0.0, half_height, 0.0);
-            Some(Feature::segment(end * -1.0, end))
-        }
-        Convex::Cuboid { half } => Some(Feature::of_cuboid(half, direction)),
-        _ => None,
-    }
-}
-
-/// The face of a triangle with a unit normal, as it looks in a direction.
-fn face([a, b, c]: &[Vector; 3], normal: Vector, direction: Vector) -> Feature<f64, 3> {
-    if normal.dot(direction) >= 0.0 {
-        Feature::new([(*a, 0), (*b, 1), (*c, 2)], normal)
-    } else {
-        Feature::new([(*c, 2), (*b, 1), (*a, 0)], normal * -1.0)
     }
 }
 

@@ -6,7 +6,7 @@ use crate::convex_pair::{Approach, approach};
 use crate::gjk::on_triangle;
 use crate::minkowski::Difference;
 use crate::support_map::{Convex, Vector};
-use crate::triangle_cuboid::of_cuboid;
+use crate::triangle_cuboid::{is_beside_cuboid, of_cuboid};
 
 /// Nearer than this part of the lengths they are computed from two points are one: the direction
 /// between them is lost in rounding.
@@ -24,6 +24,22 @@ pub(crate) fn triangle_approach(shapes: &Difference<'_>, normal: Vector, limit: 
         _ => return approach(shapes, limit),
     };
     (found.between < limit).then(|| Approach { on_first: found.on_first + shapes.position, ..found })
+}
+
+/// Whether it is soon seen that a triangle and another shape are further apart than `limit`; if not,
+/// they may be so still.
+pub(crate) fn is_beside(shape: &Difference<'_>, corners: &[Vector; 3], normal: Vector, limit: f64) -> bool {
+    let half = match shape.second {
+        Convex::Point => Vector::zero(),
+        Convex::Segment { half_height } => shape.axes[1] * half_height,
+        Convex::Cuboid { half } => return is_beside_cuboid(shape, corners, half, limit),
+        _ => return false,
+    };
+    sides(corners).any(|(from, way)| {
+        let out = way.cross(normal);
+        let beyond = out.dot(shape.position - from) - out.dot(half).abs();
+        beyond > 0.0 && beyond * beyond > limit * limit * way.dot(way)
+    })
 }
 
 /// The point of a triangle that is nearest to a given one, and whether that is over the face.

@@ -66,7 +66,7 @@ pub(crate) fn of_cuboid(
 }
 
 /// Whether a box is further from the corners of a triangle than `limit` along one of its axes.
-pub(crate) fn is_beside(shapes: &Difference<'_>, corners: &[Vector; 3], half: Vector, limit: f64) -> bool {
+pub(crate) fn is_beside_cuboid(shapes: &Difference<'_>, corners: &[Vector; 3], half: Vector, limit: f64) -> bool {
     let [a, b, c] = [corners[0], corners[1], corners[2]].map(|corner| corner - shapes.position);
     let beyond = |axis: Vector, half: f64| {
         let (a, b, c, most) = (axis.dot(a), axis.dot(b), axis.dot(c), half + limit);
@@ -164,11 +164,7 @@ impl Seen {
                 let t = -before / (n[v] * along[u] - n[u] * along[v]);
                 let at = |t: f64| [0, 1, 2].map(|k| from[k] + along[k] * t);
                 let is_inside = (0.0..=1.0).contains(&t) && at(t)[axis].abs() <= h[axis];
-                if is_inside {
-                    Some(at(t))
-                } else {
-                    (!is_asked).then(|| at(t.clamp(0.0, 1.0)))
-                }
+                if is_inside { Some(at(t)) } else { (!is_asked).then(|| at(t.clamp(0.0, 1.0))) }
             }
         }
     }
