@@ -4,7 +4,6 @@
 //! 1996): at a distance `d` along the unit vector `n` nothing can meet before `d` is gone at the
 //! greatest rate at which any points of both shapes come together along `n`.
 
-use crate::aabb::Aabb;
 use crate::collider_shape::{ColliderShape, Isometry};
 use crate::contact_manifolds;
 use crate::convex_pair::difference;
@@ -14,8 +13,9 @@ use crate::manifold::{ContactPoint, Manifold, Points};
 use crate::minkowski::Difference;
 use crate::scalar::Scalar;
 use crate::support_map::{Convex, Vector, narrow};
-use crate::surface::{Surface, normal_of};
-use crate::triangle_approach::{distance_to, triangle_approach};
+use crate::surface::normal_of;
+use crate::surface_cast::with_surface;
+use crate::triangle_approach::triangle_approach;
 use crate::work;
 
 /// A way is followed in at most this number of advances for each half turn, and for that many of
@@ -27,8 +27,6 @@ const MAX_HALF_TURNS: usize = 64;
 const NEARLY: f64 = 8.0;
 /// How often the span of time in which that is is narrowed down, to two thirds each time.
 const NARROWED: usize = 12;
-/// Past more triangles of a surface no way is gone along: something may meet at once.
-const MAX_TRIANGLES: usize = 4096;
 
 /// Shapes that meet, or pass each other closely.
 ///
@@ -112,7 +110,7 @@ pub(crate) struct Gap {
 }
 
 /// What comes of shapes on their ways.
-enum Advance {
+pub(crate) enum Advance {
     Met(Meeting),
     /// They pass each other closely, somewhere in a span of time.
     Near([f64; 2]),
@@ -219,7 +217,7 @@ impl<'a> Moving<'a> {
             let normal = if length > 0.0 { between * (1.0 / length) } else { Vector::zero() };
             let normal = first_at.orientation.rotate(normal);
             let is_somewhere = length < f64::INFINITY;
-            return is_somewhere.then(|| Gap { distance: length - self.layers, normal, on_first: first_at.position });
+            return is_somewhere.then_some(Gap { distance: length - self.layers, normal, on_first: first_at.position });
         }
         let shapes = difference(self.shapes[0], &first_at, self.shapes[1], &second_at)?;
         Some(match apart(&shapes) {
@@ -253,7 +251,7 @@ impl<'a> Moving<'a> {
     }
 
     /// Follows them up to a moment; `None` where they stay apart, or meet later.
-    fn advance(&self, tolerance: f64, slack: f64, until: f64) -> Option<Advance> {
+    pub(crate) fn advance(&self, tolerance: f64, slack: f64, until: f64) -> Option<Advance> {
         let (mut now, mut before) = (0.0, 0.0);
         let mut nearest: Option<(f64, [f64; 2])> = None;
         for _ in 0..self.most_advances() {
@@ -294,7 +292,7 @@ impl<'a> Moving<'a> {
     }
 
     /// When they are nearest within a span of time, if that is near enough.
-    fn nearest(&self, [mut low, mut high]: [f64; 2], slack: f64) -> Option<Meeting> {
+    pub(crate) fn nearest(&self, [mut low, mut high]: [f64; 2], slack: f64) -> Option<Meeting> {
         let high_end = high;
         for _ in 0..NARROWED {
             let third = (high - low) * (1.0 / 3.0);
@@ -325,129 +323,8 @@ fn apart(shapes: &Difference<'_>) -> Option<(f64, Vector, Vector)> {
     }
 }
 
-/// The first meeting of a convex shape with a surface.
-fn with_surface<R: Scalar>(
-    surface: &impl Surface,
-    shape: &ColliderShape<R>,
-    courses: [&Course; 2],
-    (tolerance, slack): (f64, f64),
-) -> Option<Meeting> {
-    let (convex, layer) = Convex::of(shape)?;
-    let reach: f64 = shape.reach()?.into();
-    let ground = courses[0].at(0.0);
-    let mut aabb = Aabb::empty();
-    let turned = {
-        let angle = courses[0].angular();
-        angle.dot(angle).sqrt()
-    };
-    let corners = courses[0].turns().chain(courses[1].turns()).chain([0.0]);
-    for moment in corners {
-        let body = courses[1].at(moment).position - courses[0].gone(moment);
-        let from_center = body - ground.position;
-        // What turns by an angle moves by no more than that times its distance.
-        let more = reach
-            + courses[1].off_center()
-            + slack
-            + tolerance
-            + turned * (from_center.dot(from_center).sqrt() + courses[0].off_center());
-        let half = Vector::splat(more);
-        let around = Aabb::about(ground.to_local(body), half);
-        aabb = aabb.union(&around);
-    }
-    let start = starts(courses);
-    let mut triangles = Vec::new();
-    surface.near(&aabb, &mut |triangle| triangles.push(triangle));
-    if triangles.len() > MAX_TRIANGLES {
-        return Some(Meeting { moment: 0.0, is_hit: false, distance: f64::INFINITY, normal: Vector::zero() });
-    }
-    triangles.sort_unstable();
-    let around = ball_around(courses, &start[0]);
-    let over = |triangle: u32| {
-        let corners = surface.triangle(triangle);
-        let radii = [
-            courses[0].off_center() + furthest_from_origin(corners),
-            courses[1].off_center() + (reach - layer).max(0.0),
-        ];
-        Moving { shapes: [Convex::Triangle(corners), convex], layers: layer, courses, radii, start }
-    };
-    let key = |met: &Meeting| (!met.is_hit, met.moment);
-    let mut first: Option<Meeting> = None;
-    let mut take = |met: Meeting, normal: Vector, corner: Vector| {
-        let [ground, body] = courses.map(|course| course.at(met.moment));
-        let middle = ground.to_local(body.to_world(convex.middle()));
-        let is_before = normal.dot(middle - corner) > 0.0;
-        if is_before && first.as_ref().is_none_or(|first| key(&met) < key(first)) {
-            first = Some(met);
-        }
-        first.filter(|first| first.is_hit).map_or(f64::INFINITY, |first| first.moment)
-    };
-    let (mut until, mut passed) = (f64::INFINITY, Vec::new());
-    for triangle in triangles {
-        let moving = over(triangle);
-        let Convex::Triangle(corners) = moving.shapes[0] else { continue };
-        let normal = normal_of(&corners);
-        let far = around.is_some_and(|(middle, radius)| {
-            let more = moving.radii[1] + layer + slack.max(tolerance);
-            distance_to(&corners, normal, middle) > radius + more
-        });
-        if far || moving.stays_over(normal, corners[0], tolerance) || moving.are_passed(tolerance, slack) {
-            continue;
-        }
-        match moving.advance(tolerance, slack, until) {
-            Some(Advance::Met(met)) => until = take(met, normal, corners[0]),
-            Some(Advance::Near(span)) => passed.push((triangle, span)),
-            None => {}
-        }
-    }
-    // What is only passed counts where nothing is met.
-    if until == f64::INFINITY {
-        for (triangle, span) in passed {
-            if let Some(met) = over(triangle).nearest(span, slack) {
-                take(met, surface.normal(triangle), surface.triangle(triangle)[0]);
-            }
-        }
-    }
-    first
-}
-
-/// The middle of the way of the second's centre, as a first that stays sees it, and how far the
-/// centre is from there at most.
-fn ball_around(courses: [&Course; 2], ground: &Isometry<f64>) -> Option<(Vector, f64)> {
-    let center = courses[1].of_center();
-    let (from, to) = (center.at(0.0).position, center.at(1.0).position);
-    let middle = (from + to) * 0.5;
-    let radius = center.turns().chain([0.0]).fold(0.0, |most, moment| {
-        let apart = center.at(moment).position - middle;
-        f64::max(most, apart.dot(apart))
-    });
-    courses[0].is_still().then(|| (ground.to_local(middle), radius.sqrt()))
-}
-
 pub(crate) fn furthest_from_origin(corners: [Vector; 3]) -> f64 {
     corners.iter().fold(0.0, |most, corner| f64::max(most, corner.dot(*corner).sqrt()))
-}
-
-impl Moving<'_> {
-    /// Whether the second stays on its side of the plane of a face of the first, given by its
-    /// outward normal and a point in the frame of the first.
-    fn stays_over(&self, normal: Vector, point: Vector, tolerance: f64) -> bool {
-        let [ground, body] = self.start;
-        let up = ground.orientation.rotate(normal);
-        let lowest = body.to_world(self.shapes[1].support(body.orientation.rotate_back(up * -1.0)));
-        let mut height = up.dot(lowest - ground.to_world(point)) - self.layers;
-        // What begins below is not held by this face.
-        if height < 0.0 {
-            return false;
-        }
-        let mut begin = 0.0;
-        while begin < 1.0 {
-            let later = self.courses.iter().flat_map(|course| course.turns()).filter(|end| *end > begin);
-            let end = later.fold(1.0, f64::min);
-            height -= self.rate(self.way(begin), up).max(0.0) * (end - begin);
-            begin = end;
-        }
-        height > 0.25 * tolerance
-    }
 }
 
 fn narrow_placement<R: Scalar>(at: &Isometry<f64>) -> Isometry<R> {

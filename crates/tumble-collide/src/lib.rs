@@ -53,6 +53,7 @@ mod sphere;
 mod sphere_lanes;
 mod support_map;
 mod surface;
+mod surface_cast;
 mod surface_hits;
 mod surface_piece;
 mod triangle_approach;
