@@ -80,8 +80,11 @@ impl<'a, S: Surface> OnSurface<'a, S> {
             let corners = self.surface.triangle(triangle);
             let normal = normal_of(&corners);
             let moving = self.moving(corners);
-            let far = around.is_some_and(|(middle, far)| distance_to(&corners, normal, middle) > far + most);
-            if far || moving.stays_over(normal, corners[0], tolerance) || moving.are_passed(tolerance, slack) {
+            let is_passed = match around {
+                Some((middle, far)) => distance_to(&corners, normal, middle) > far + most,
+                None => moving.are_passed(tolerance, slack),
+            };
+            if is_passed || moving.stays_over(normal, corners[0], tolerance) {
                 continue;
             }
             let until = first.filter(|first| first.is_hit).map_or(f64::INFINITY, |first| first.moment);
