@@ -12,6 +12,7 @@
 )]
 
 mod arguments;
+mod hills;
 mod jointed;
 mod on_demand;
 mod piles;
@@ -23,9 +24,10 @@ mod scenes;
 mod threads;
 
 pub use arguments::Arguments;
+pub use hills::{HillBodies, HillGround, hills};
 pub use jointed::{JointKind, LINK, arm, bridge, chain, net, pendulums, ragdolls};
 pub use on_demand::OnDemand;
-pub use piles::{FRICTION, PileShape, bodies_on_hills, eight_boxes, falling_balls, pyramid};
+pub use piles::{FRICTION, PileShape, eight_boxes, falling_balls, pyramid};
 pub use pulling::{attracting_points, net_of_springs};
 #[cfg(feature = "peers")]
 pub use rapier_joints::{RapierJoints, RapierWorld};

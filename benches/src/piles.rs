@@ -1,9 +1,8 @@
-//! Benchmark scenes with contacts: a pyramid of boxes, falling balls, worlds of eight boxes, bodies
-//! on hills.
+//! Benchmark scenes with contacts: a pyramid of boxes, falling balls, worlds of eight boxes.
 
 use hecs::World;
 use tumble::math::{Real, Vec3};
-use tumble::{BodyId, Collider, Material, Pose, RigidBody, Shape};
+use tumble::{BodyId, Collider, Material, RigidBody, Shape};
 
 /// Coefficient of friction of all bodies of piles.
 pub const FRICTION: Real = 0.5;
@@ -75,30 +74,6 @@ pub fn eight_boxes(index: u64) -> World {
         spawn(&mut world, UNIT_BOX, |body| {
             body.mass(1.0).position(Vec3::new(x, y, z)).angular_velocity(spin).id(BodyId(i.into()))
         });
-    }
-    world
-}
-
-/// `count` boxes, balls and pills of 1 kg and half a metre, a metre apart in a square, about to
-/// fall on ground with a height of its own, up to 0.3 m, at every metre.
-///
-/// # Panics
-/// Never: ground and bodies are possible.
-#[allow(clippy::expect_used, reason = "the ground made here is possible")]
-pub fn bodies_on_hills(count: u32) -> World {
-    let side = f64::from(count).sqrt().ceil() as u32;
-    let columns = side as usize + 4;
-    let mut draw = Lcg(11);
-    let heights: Vec<f64> = (0..columns * columns).map(|_| 0.15 + draw.around(0.15)).collect();
-    let ground = Collider::height_field(heights, columns, [1.0, 1.0]).expect("possible heights");
-    let mut world = World::new();
-    world.spawn((Pose::default(), ground, BodyId(u64::MAX)));
-    let shapes = [Shape::cuboid([0.25; 3]), Shape::sphere(0.25), Shape::capsule(0.15, 0.1)];
-    for (i, shape) in (0..count).zip(shapes.into_iter().cycle()) {
-        let from_middle = |i: u32| i as Real - (side as Real - 1.0) * 0.5;
-        let at = Vec3::new(from_middle(i % side), 0.7, from_middle(i / side));
-        let body = RigidBody::new(shape).mass(1.0).position(at).id(BodyId(i.into()));
-        body.build().expect("a possible body").spawn(&mut world);
     }
     world
 }

@@ -1,9 +1,9 @@
 //! Bodies that touch, in the scenes that other engines were measured with: a pyramid of 2870 boxes
 //! at rest, 5000 balls that fall into a box, and 4096 worlds in which eight boxes fall on the
-//! ground. On one and on two threads.
+//! ground; and without another engine boxes, balls and capsules on hills. On one and on two threads.
 //!
-//! `cargo bench --bench piles`, with `-- pyramid`, `balls` or `worlds` for one of them, or `growth`
-//! for what a body costs in a pyramid of 1015 boxes and in one of 29 370; `-- stands` has the
+//! `cargo bench --bench piles`, with `-- pyramid`, `balls`, `worlds` or `hills` for one of them, or
+//! `growth` for what a body costs in a pyramid of 1015 boxes and in one of 29 370; `-- stands` has the
 //! pyramid stand for 10 000 steps, and fails where it does not. With `--features peers` the same
 //! scenes are run in Rapier in the same process, alternating every ten steps, with its default of
 //! four solver iterations; with `peers-simd8` Rapier's solver has eight lanes. Printed are
@@ -31,7 +31,9 @@ use hecs::World;
 use rayon::ThreadPool;
 use tumble::math::PRECISION;
 use tumble::{Batch, BodyId, Momentum, Pose, Settings, Simulation, Trial, simd_name};
-use tumble_benches::{Arguments, eight_boxes, falling_balls, in_pools_of_one, pool as pool_of, pyramid};
+use tumble_benches::{
+    Arguments, HillBodies, HillGround, eight_boxes, falling_balls, hills, in_pools_of_one, pool as pool_of, pyramid,
+};
 
 type RunStatus<T> = Result<T, Box<dyn std::error::Error>>;
 
@@ -41,7 +43,8 @@ const WORLDS: &str = "piles/worlds";
 const GROWTH: &str = "piles/growth";
 /// Minutes, so only where it is asked for by its last word.
 const STANDS: &str = "piles/stands";
-const SCENES: [&str; 5] = [PYRAMID, BALLS, WORLDS, GROWTH, STANDS];
+const HILLS: &str = "piles/hills";
+const SCENES: [&str; 6] = [PYRAMID, BALLS, WORLDS, HILLS, GROWTH, STANDS];
 
 /// Steps of one engine before it is the other's turn.
 const TURN: usize = 10;
@@ -74,6 +77,9 @@ fn main() -> RunStatus<()> {
         if asked(WORLDS) {
             let (count, steps) = if short { (16, 2) } else { (4096, 120) };
             worlds(count, steps, threads, &pool)?;
+        }
+        if asked(HILLS) {
+            on_hills(if short { 9 } else { 900 }, if short { 2 } else { 240 }, threads, &pool)?;
         }
         if arguments.name("stands") {
             stands(threads, &pool)?;
@@ -189,6 +195,28 @@ fn stands(threads: usize, pool: &ThreadPool) -> RunStatus<()> {
         }
         _ => Ok(()),
     }
+}
+
+/// What a body costs on hills of triangles, in the second half of the steps.
+fn on_hills(count: usize, steps: u32, threads: usize, pool: &ThreadPool) -> RunStatus<()> {
+    for (name, bodies, ground) in [
+        ("boxes on a height field", HillBodies::Boxes, HillGround::HeightField),
+        ("balls on a height field", HillBodies::Balls, HillGround::HeightField),
+        ("capsules on a height field", HillBodies::Capsules, HillGround::HeightField),
+        ("all kinds on a mesh", HillBodies::Mixed, HillGround::Mesh),
+    ] {
+        let mut world = hills(count, bodies, ground);
+        let mut simulation = Simulation::new(Settings::default())?;
+        pool.install(|| (0..steps / 2).for_each(|_| simulation.step(&mut world)));
+        let start = Instant::now();
+        pool.install(|| (0..steps / 2).for_each(|_| simulation.step(&mut world)));
+        let each = start.elapsed().as_secs_f64() * 1e6 / (count as f64 * f64::from(steps / 2));
+        let low = places(&world).iter().map(|place| place[1]).fold(f64::MAX, f64::min);
+        println!(
+            "hills, threads {threads}: {name}, {each:.2} us a body and step, the lowest centre is {low:.3} m high"
+        );
+    }
+    Ok(())
 }
 
 /// What a body costs in a small pyramid and in a large one, interleaved.

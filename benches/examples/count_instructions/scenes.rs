@@ -3,8 +3,8 @@
 use tumble::math::Vec3;
 use tumble::{Batch, Ledger, QueryFilter, Settings, Simulation, Trial, simd_name};
 use tumble_benches::{
-    JointKind, attracting_points, bodies_on_hills, chain, eight_boxes, falling_balls, net_of_springs, pyramid,
-    ragdolls, rays_through_boxes, scattered_boxes, tumbling_boxes,
+    HillBodies, HillGround, JointKind, attracting_points, chain, eight_boxes, falling_balls, hills, net_of_springs,
+    pyramid, ragdolls, rays_through_boxes, scattered_boxes, tumbling_boxes,
 };
 
 use crate::Failure;
@@ -13,7 +13,7 @@ use crate::Failure;
 pub(crate) const BODIES: u32 = 4096;
 /// Where bodies act on each other: a name, how many they are, and after how many steps counting
 /// begins.
-pub(crate) const COUPLED: [(&str, u32, u32); 13] = [
+pub(crate) const COUPLED: [(&str, u32, u32); 16] = [
     ("springs", 1024, 5),
     ("attraction", 256, 5),
     ("pyramid", 204, 5),
@@ -23,11 +23,16 @@ pub(crate) const COUPLED: [(&str, u32, u32); 13] = [
     ("hinges", JOINTS * SUBSTEPS, 5),
     ("rays", RAYS, 1),
     ("unmoved", UNMOVED, 1),
-    ("hills", 64, 40),
+    ("hill-boxes", ON_HILLS, 40),
+    ("hill-balls", ON_HILLS, 40),
+    ("hill-capsules", ON_HILLS, 40),
+    ("mesh-hills", ON_HILLS, 40),
     ("ragdolls", RAGDOLLS * 23, 30),
     ("ledger", 512, 5),
     (ONE_BODY, ONE_BODY_STEPS, 5),
 ];
+/// Bodies on hills: of a height field, or all kinds on a mesh.
+const ON_HILLS: u32 = 64;
 /// Rays of a hundred metres among ten thousand boxes.
 const RAYS: u32 = 256;
 /// Bodies of which queries find out that none has moved.
@@ -71,7 +76,10 @@ fn step_world(scene: &str, steps: u32) -> Result<(), Failure> {
         "balls" => (falling_balls(count as usize), settings),
         "chain" => (chain(JOINTS as usize, JointKind::Ball), settings.with_contact_substeps(SUBSTEPS)),
         "hinges" => (chain(JOINTS as usize, JointKind::Hinge), settings.with_contact_substeps(SUBSTEPS)),
-        "hills" => (bodies_on_hills(count), settings),
+        "hill-boxes" => (hills(count as usize, HillBodies::Boxes, HillGround::HeightField), settings),
+        "hill-balls" => (hills(count as usize, HillBodies::Balls, HillGround::HeightField), settings),
+        "hill-capsules" => (hills(count as usize, HillBodies::Capsules, HillGround::HeightField), settings),
+        "mesh-hills" => (hills(count as usize, HillBodies::Mixed, HillGround::Mesh), settings),
         "ragdolls" => (ragdolls(RAGDOLLS as usize), settings),
         "ledger" => (tumbling_boxes(count as usize), settings),
         ONE_BODY => (tumbling_boxes(1), settings),

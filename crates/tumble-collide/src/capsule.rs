@@ -93,19 +93,28 @@ pub(crate) fn capsule_and_capsule<R: Scalar>(first: &Rod<R>, second: &Rod<R>, ma
     face_clipping.manifold(&first.feature(), &second.feature(), nearest, R::splat(0.0)).carried_by_both()
 }
 
-/// The nearest points of two segments (C. Ericson, "Real-Time Collision Detection", 2005, 5.1.9);
-/// of parallel ones, some that are nearest.
+/// The nearest points of two axes; of parallel ones, some that are nearest.
 fn nearest_of_axes<R: Scalar>(first: &Rod<R>, second: &Rod<R>) -> (Vec3<R>, Vec3<R>) {
+    let (s, t) = nearest_of_segments([first.center, first.half], [second.center, second.half]);
+    (first.at(s), second.at(t))
+}
+
+/// Where two segments, each given by its middle and from there to its end, are nearest to each
+/// other, from -1 to 1 (C. Ericson, "Real-Time Collision Detection", 2005, 5.1.9).
+pub(crate) fn nearest_of_segments<R: Scalar>(
+    [first, first_half]: [Vec3<R>; 2],
+    [second, second_half]: [Vec3<R>; 2],
+) -> (R, R) {
     let (zero, one) = (R::splat(0.0), R::splat(1.0));
-    let apart = first.center - second.center;
-    let (a, e, b) = (first.half.dot(first.half), second.half.dot(second.half), first.half.dot(second.half));
-    let (c, f) = (first.half.dot(apart), second.half.dot(apart));
+    let apart = first - second;
+    let (a, e, b) = (first_half.dot(first_half), second_half.dot(second_half), first_half.dot(second_half));
+    let (c, f) = (first_half.dot(apart), second_half.dot(apart));
     let denominator = a * e - b * b;
     let s = if denominator > zero { clamped((b * f - c * e) / denominator, one) } else { zero };
     let t = (b * s + f) / e;
     let inside = clamped(t, one);
     let s = if t == inside { s } else { clamped((b * inside - c) / a, one) };
-    (first.at(s), second.at(inside))
+    (s, inside)
 }
 
 /// From the box to the capsule.

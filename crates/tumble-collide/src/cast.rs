@@ -4,16 +4,18 @@
 //! 1996): at a distance `d` along the unit vector `n` nothing can meet before `d` is gone at the
 //! greatest rate at which any points of both shapes come together along `n`.
 
-use crate::aabb::Aabb;
 use crate::collider_shape::{ColliderShape, Isometry};
 use crate::contact_manifolds;
 use crate::convex_pair::difference;
 use crate::course::Course;
 use crate::gjk::{Nearest, nearest};
 use crate::manifold::{ContactPoint, Manifold, Points};
+use crate::minkowski::Difference;
 use crate::scalar::Scalar;
 use crate::support_map::{Convex, Vector, narrow};
-use crate::surface::Surface;
+use crate::surface::normal_of;
+use crate::surface_cast::with_surface;
+use crate::triangle_approach::triangle_approach;
 use crate::work;
 
 /// A way is followed in at most this number of advances for each half turn, and for that many of
@@ -25,8 +27,6 @@ const MAX_HALF_TURNS: usize = 64;
 const NEARLY: f64 = 8.0;
 /// How often the span of time in which that is is narrowed down, to two thirds each time.
 const NARROWED: usize = 12;
-/// Past more triangles of a surface no way is gone along: something may meet at once.
-const MAX_TRIANGLES: usize = 4096;
 
 /// Shapes that meet, or pass each other closely.
 ///
@@ -92,6 +92,13 @@ pub(crate) struct Moving<'a> {
     pub(crate) courses: [&'a Course; 2],
     /// How far points are from what they turn about at most.
     pub(crate) radii: [f64; 2],
+    /// Where they are at the beginning.
+    pub(crate) start: [Isometry<f64>; 2],
+}
+
+/// Where shapes are when their courses begin.
+pub(crate) fn starts(courses: [&Course; 2]) -> [Isometry<f64>; 2] {
+    courses.map(|course| course.at(0.0))
 }
 
 /// How far two shapes are apart at some moment, and the unit vector from the first to the second.
@@ -100,6 +107,13 @@ pub(crate) struct Gap {
     pub(crate) normal: Vector,
     /// Of the first, inside its layer, the nearest point; world frame.
     pub(crate) on_first: Vector,
+}
+
+/// What comes of shapes on their ways.
+pub(crate) enum Advance {
+    Met(Meeting),
+    /// They pass each other closely, somewhere in a span of time.
+    Near([f64; 2]),
 }
 
 impl Meeting {
@@ -162,7 +176,7 @@ impl<'a> Moving<'a> {
             courses[which].off_center() + (reach - layer).max(0.0)
         };
         let radii = [reach(0, layer), reach(1, other_layer)];
-        Self { shapes: [first, second], layers: layer + other_layer, courses, radii }
+        Self { shapes: [first, second], layers: layer + other_layer, courses, radii, start: starts(courses) }
     }
 
     /// Whether balls around both pass each other, or a ball around one passes the other: these turn
@@ -176,7 +190,8 @@ impl<'a> Moving<'a> {
             let courses = [course(0), course(1)];
             let courses = [&courses[0], &courses[1]];
             let shapes = [shape(0), shape(1)];
-            Moving { shapes, layers: self.layers + more, courses, radii }.meet(tolerance, slack).is_none()
+            let start = [0, 1].map(|i: usize| if which[i] { courses[i].at(0.0) } else { self.start[i] });
+            Moving { shapes, layers: self.layers + more, courses, radii, start }.meet(tolerance, slack).is_none()
         };
         let turns = self.courses.map(|course| course.angular().dot(course.angular()) > 0.0);
         match turns {
@@ -187,18 +202,30 @@ impl<'a> Moving<'a> {
         }
     }
 
+    /// Where one of them is.
+    fn at(&self, which: usize, moment: f64) -> Isometry<f64> {
+        let course = self.courses[which];
+        if moment == 0.0 || course.is_still() { self.start[which] } else { course.at(moment) }
+    }
+
     pub(crate) fn gap(&self, moment: f64) -> Option<Gap> {
-        let [first_at, second_at] = self.courses.map(|course| course.at(moment));
+        let (first_at, second_at) = (self.at(0, moment), self.at(1, moment));
+        if let [Convex::Point, Convex::Point] = self.shapes {
+            // No axes are needed.
+            let between = first_at.to_local(second_at.position);
+            let length = between.dot(between).sqrt();
+            let normal = if length > 0.0 { between * (1.0 / length) } else { Vector::zero() };
+            let normal = first_at.orientation.rotate(normal);
+            let is_somewhere = length < f64::INFINITY;
+            return is_somewhere.then_some(Gap { distance: length - self.layers, normal, on_first: first_at.position });
+        }
         let shapes = difference(self.shapes[0], &first_at, self.shapes[1], &second_at)?;
-        Some(match nearest(&shapes, f64::INFINITY) {
-            Nearest::Apart { between, on_first } => {
-                let length = between.dot(between).sqrt();
-                let normal = first_at.orientation.rotate(between * (1.0 / length));
+        Some(match apart(&shapes) {
+            Some((length, normal, on_first)) => {
+                let normal = first_at.orientation.rotate(normal);
                 Gap { distance: length - self.layers, normal, on_first: first_at.to_world(on_first) }
             }
-            Nearest::Far | Nearest::Overlap(_) => {
-                Gap { distance: -self.layers, normal: Vector::zero(), on_first: first_at.position }
-            }
+            None => Gap { distance: -self.layers, normal: Vector::zero(), on_first: first_at.position },
         })
     }
 
@@ -217,6 +244,14 @@ impl<'a> Moving<'a> {
     }
 
     fn meet(&self, tolerance: f64, slack: f64) -> Option<Meeting> {
+        match self.advance(tolerance, slack, f64::INFINITY)? {
+            Advance::Met(met) => Some(met),
+            Advance::Near(span) => self.nearest(span, slack),
+        }
+    }
+
+    /// Follows them up to a moment; `None` where they stay apart, or meet later.
+    pub(crate) fn advance(&self, tolerance: f64, slack: f64, until: f64) -> Option<Advance> {
         let (mut now, mut before) = (0.0, 0.0);
         let mut nearest: Option<(f64, [f64; 2])> = None;
         for _ in 0..self.most_advances() {
@@ -224,7 +259,7 @@ impl<'a> Moving<'a> {
             let gap = self.gap(now)?;
             if gap.distance <= tolerance {
                 let Gap { distance, normal, .. } = gap;
-                return Some(Meeting { moment: now, is_hit: true, distance, normal });
+                return Some(Advance::Met(Meeting { moment: now, is_hit: true, distance, normal }));
             }
             let end = self.courses.iter().flat_map(|course| course.turns()).filter(|end| *end > now);
             let end = end.fold(1.0, f64::min);
@@ -237,13 +272,16 @@ impl<'a> Moving<'a> {
             }
             if next >= 1.0 {
                 let (least, span) = nearest?;
-                return if least <= NEARLY * slack { self.nearest(span, slack) } else { None };
+                return (least <= NEARLY * slack).then_some(Advance::Near(span));
             }
             (before, now) = (now, next);
+            if now >= until {
+                return None;
+            }
         }
         // They graze each other for long: from here on anything may be.
         let Gap { distance, normal, .. } = self.gap(now)?;
-        Some(Meeting { moment: now, is_hit: false, distance, normal })
+        Some(Advance::Met(Meeting { moment: now, is_hit: false, distance, normal }))
     }
 
     fn most_advances(&self) -> usize {
@@ -254,7 +292,7 @@ impl<'a> Moving<'a> {
     }
 
     /// When they are nearest within a span of time, if that is near enough.
-    fn nearest(&self, [mut low, mut high]: [f64; 2], slack: f64) -> Option<Meeting> {
+    pub(crate) fn nearest(&self, [mut low, mut high]: [f64; 2], slack: f64) -> Option<Meeting> {
         let high_end = high;
         for _ in 0..NARROWED {
             let third = (high - low) * (1.0 / 3.0);
@@ -267,93 +305,26 @@ impl<'a> Moving<'a> {
     }
 }
 
-/// The first meeting of a convex shape with a surface.
-fn with_surface<R: Scalar>(
-    surface: &impl Surface,
-    shape: &ColliderShape<R>,
-    courses: [&Course; 2],
-    (tolerance, slack): (f64, f64),
-) -> Option<Meeting> {
-    let (convex, layer) = Convex::of(shape)?;
-    let reach: f64 = shape.reach()?.into();
-    let ground = courses[0].at(0.0);
-    let mut aabb = Aabb::empty();
-    let turned = {
-        let angle = courses[0].angular();
-        angle.dot(angle).sqrt()
-    };
-    let corners = courses[0].turns().chain(courses[1].turns()).chain([0.0]);
-    for moment in corners {
-        let body = courses[1].at(moment).position - courses[0].gone(moment);
-        let from_center = body - ground.position;
-        // What turns by an angle moves by no more than that times its distance.
-        let more = reach
-            + courses[1].off_center()
-            + slack
-            + tolerance
-            + turned * (from_center.dot(from_center).sqrt() + courses[0].off_center());
-        let half = Vector::splat(more);
-        let around = Aabb::about(ground.to_local(body), half);
-        aabb = aabb.union(&around);
-    }
-    let mut triangles = Vec::new();
-    surface.near(&aabb, &mut |triangle| triangles.push(triangle));
-    if triangles.len() > MAX_TRIANGLES {
-        return Some(Meeting { moment: 0.0, is_hit: false, distance: f64::INFINITY, normal: Vector::zero() });
-    }
-    triangles.sort_unstable();
-    let mut first: Option<Meeting> = None;
-    for triangle in triangles {
-        let corners = surface.triangle(triangle);
-        let normal = surface.normal(triangle);
-        let radii = [
-            courses[0].off_center() + furthest_from_origin(corners),
-            courses[1].off_center() + (reach - layer).max(0.0),
-        ];
-        let moving = Moving { shapes: [Convex::Triangle(corners), convex], layers: layer, courses, radii };
-        if moving.stays_over(normal, corners[0], tolerance) {
-            continue;
+/// The distance of two shapes that do not overlap, the unit vector from the first to the second and
+/// the nearest point of the first, in its frame.
+fn apart(shapes: &Difference<'_>) -> Option<(f64, Vector, Vector)> {
+    match (shapes.first, shapes.second) {
+        (Convex::Triangle(corners), Convex::Point | Convex::Segment { .. } | Convex::Cuboid { .. }) => {
+            let found = triangle_approach(shapes, normal_of(&corners), f64::INFINITY)?;
+            (found.between > 0.0).then_some((found.between, found.normal, found.on_first))
         }
-        if moving.are_passed(tolerance, slack) {
-            continue;
-        }
-        let Some(met) = moving.meet(tolerance, slack) else { continue };
-        let [ground, body] = courses.map(|course| course.at(met.moment));
-        let middle = ground.to_local(body.to_world(convex.middle()));
-        let is_before = normal.dot(middle - corners[0]) > 0.0;
-        let key = |met: &Meeting| (!met.is_hit, met.moment);
-        if is_before && first.as_ref().is_none_or(|first| key(&met) < key(first)) {
-            first = Some(met);
-        }
+        _ => match nearest(shapes, f64::INFINITY) {
+            Nearest::Apart { between, on_first } => {
+                let length = between.dot(between).sqrt();
+                Some((length, between * (1.0 / length), on_first))
+            }
+            Nearest::Far | Nearest::Overlap(_) => None,
+        },
     }
-    first
 }
 
 pub(crate) fn furthest_from_origin(corners: [Vector; 3]) -> f64 {
     corners.iter().fold(0.0, |most, corner| f64::max(most, corner.dot(*corner).sqrt()))
-}
-
-impl Moving<'_> {
-    /// Whether the second stays on its side of the plane of a face of the first, given by its
-    /// outward normal and a point in the frame of the first.
-    fn stays_over(&self, normal: Vector, point: Vector, tolerance: f64) -> bool {
-        let [ground, body] = self.courses.map(|course| course.at(0.0));
-        let up = ground.orientation.rotate(normal);
-        let lowest = body.to_world(self.shapes[1].support(body.orientation.rotate_back(up * -1.0)));
-        let mut height = up.dot(lowest - ground.to_world(point)) - self.layers;
-        // What begins below is not held by this face.
-        if height < 0.0 {
-            return false;
-        }
-        let mut begin = 0.0;
-        let mut ends: Vec<f64> = self.courses.iter().flat_map(|course| course.turns()).collect();
-        ends.sort_by(f64::total_cmp);
-        for end in ends {
-            height -= self.rate(self.way(begin), up).max(0.0) * (end - begin);
-            begin = end;
-        }
-        height > 0.25 * tolerance
-    }
 }
 
 fn narrow_placement<R: Scalar>(at: &Isometry<f64>) -> Isometry<R> {

@@ -95,8 +95,10 @@ pub(crate) fn difference<'a>(
     second_at: &Isometry<f64>,
 ) -> Option<Difference<'a>> {
     let position = first_at.to_local(second_at.position);
-    let axes = second_at.orientation.axes().map(|axis| first_at.orientation.rotate_back(axis));
-    let size = axes.iter().fold(position.dot(position), |sum, axis| sum + axis.dot(*axis));
+    let [x, y, z] = second_at.orientation.axes();
+    let turned = |axis: Vector| first_at.orientation.rotate_back(axis);
+    let axes = [turned(x), turned(y), turned(z)];
+    let size = position.dot(position) + axes[0].dot(axes[0]) + axes[1].dot(axes[1]) + axes[2].dot(axes[2]);
     size.is_finite().then_some(Difference { first, second, position, axes })
 }
 

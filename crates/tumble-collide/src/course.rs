@@ -109,6 +109,12 @@ impl Course {
         (self.center + self.gone(moment), self.turn(moment))
     }
 
+    /// Whether it stays where it begins.
+    pub(crate) fn is_still(&self) -> bool {
+        let square = |v: Vector| v.dot(v);
+        self.len == 1 && square(self.legs[0].1) == 0.0 && square(self.angular) == 0.0
+    }
+
     /// Of a ball about what it turns about.
     pub(crate) fn of_center(&self) -> Self {
         let start = Isometry { position: self.center, ..self.start };

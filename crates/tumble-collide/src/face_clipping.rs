@@ -58,24 +58,25 @@ struct Left<R> {
     edge: u32,
 }
 
-struct List<T> {
-    items: [T; MAX],
+/// Up to `M` of something.
+pub(crate) struct List<T, const M: usize> {
+    items: [T; M],
     len: usize,
 }
 
-impl<T: Copy> List<T> {
+impl<T: Copy, const M: usize> List<T, M> {
     fn of(nothing: T) -> Self {
-        Self { items: [nothing; MAX], len: 0 }
+        Self { items: [nothing; M], len: 0 }
     }
 
-    fn push(&mut self, item: T) {
+    pub(crate) fn push(&mut self, item: T) {
         if let Some(slot) = self.items.get_mut(self.len) {
             *slot = item;
             self.len += 1;
         }
     }
 
-    fn items(&self) -> &[T] {
+    pub(crate) fn items(&self) -> &[T] {
         self.items.get(..self.len).unwrap_or_default()
     }
 }
@@ -85,7 +86,18 @@ impl<R: Scalar> FaceClipping<R> {
     /// are, the given one, halfway between the surfaces. What reaches furthest along the normal may
     /// be beside both pieces, by which it is up to `lead` less than how far they are apart.
     pub(crate) fn manifold(&self, first: &Feature<R>, second: &Feature<R>, nearest: Vec3<R>, lead: R) -> Manifold<R> {
-        let (mut candidates, carried) = self.candidates(first, second);
+        self.manifold_of::<MAX_CORNERS, MAX_CORNERS, MAX>(first, second, nearest, lead)
+    }
+
+    /// The same of pieces with fewer corners, which have up to `M` points in common.
+    pub(crate) fn manifold_of<const N: usize, const K: usize, const M: usize>(
+        &self,
+        first: &Feature<R, N>,
+        second: &Feature<R, K>,
+        nearest: Vec3<R>,
+        lead: R,
+    ) -> Manifold<R> {
+        let (mut candidates, carried) = self.shared::<N, K, M>(first, second);
         let small = at_most_extent(self.margin, candidates.items());
         let near = self.separation + lead + small * R::splat(AS_NEAR);
         if !candidates.items().iter().any(|point| point.separation <= near) && self.separation <= self.margin {
@@ -98,19 +110,17 @@ impl<R: Scalar> FaceClipping<R> {
         Manifold::new(self.normal, carried, points)
     }
 
-    /// The points that both pieces have in common, and how far they go with the second.
-    pub(crate) fn shared(&self, first: &Feature<R>, second: &Feature<R>) -> (Vec<ContactPoint<R>>, R) {
-        let (points, carried) = self.candidates(first, second);
-        (points.items().to_vec(), carried)
-    }
-
-    fn candidates(&self, first: &Feature<R>, second: &Feature<R>) -> (List<ContactPoint<R>>, R) {
+    /// The points that both pieces have in common, up to `M`, and how far they go with the second.
+    pub(crate) fn shared<const N: usize, const K: usize, const M: usize>(
+        &self,
+        first: &Feature<R, N>,
+        second: &Feature<R, K>,
+    ) -> (List<ContactPoint<R>, M>, R) {
         let nothing = ContactPoint { position: Vec3::zero(), separation: R::splat(0.0), feature: 0 };
         let mut found = List::of(nothing);
         let (one, half) = (R::splat(1.0), R::splat(0.5));
-        let is_face = |feature: &Feature<R>| {
-            feature.corners().len() > 2 && self.normal.dot(feature.normal).abs() > R::splat(EDGE_ON)
-        };
+        let is_face =
+            |corners: usize, normal: Vec3<R>| corners > 2 && self.normal.dot(normal).abs() > R::splat(EDGE_ON);
         let [layer_1, layer_2] = self.layers;
         let mut carried = (R::splat(0.0), R::splat(0.0));
         let mut take = |shared: &Shared<R>, cut_is_first: bool, cut_layer: R, cutting_layer: R, outwards: Vec3<R>| {
@@ -126,12 +136,12 @@ impl<R: Scalar> FaceClipping<R> {
                 carried = (carried.0 + with_second, carried.1 + one);
             }
         };
-        if is_face(first) {
-            for shared in cut(second, first, self.normal).items() {
+        if is_face(first.corners().len(), first.normal) {
+            for shared in cut::<R, K, N, M>(second, first, self.normal).items() {
                 take(shared, false, layer_2, layer_1, self.normal);
             }
-        } else if is_face(second) {
-            for shared in cut(first, second, self.normal * -one).items() {
+        } else if is_face(second.corners().len(), second.normal) {
+            for shared in cut::<R, N, K, M>(first, second, self.normal * -one).items() {
                 take(shared, true, layer_1, layer_2, self.normal * -one);
             }
         } else if let ([a, b], [c, d]) = (first.corners(), second.corners()) {
@@ -144,7 +154,7 @@ impl<R: Scalar> FaceClipping<R> {
     }
 
     /// The ends of what two parallel edges have in common, on the second.
-    fn along(&self, [a, b]: [Corner<R>; 2], [c, d]: [Corner<R>; 2]) -> List<Shared<R>> {
+    fn along(&self, [a, b]: [Corner<R>; 2], [c, d]: [Corner<R>; 2]) -> List<Shared<R>, 2> {
         let (zero, one, n) = (R::splat(0.0), R::splat(1.0), self.normal);
         let mut found = List::of(Shared { at: Vec3::zero(), height: zero, feature: 0, carried: R::splat(0.5) });
         let flat = |v: Vec3<R>| v - n * n.dot(v);
@@ -189,7 +199,11 @@ pub(crate) fn as_near<R: Scalar>(candidates: &[ContactPoint<R>], margin: R) -> R
 
 /// What is left of a piece inside the sides of a face, seen along `outwards`, which looks out of
 /// the face. Heights are along it above the face.
-fn cut<R: Scalar>(piece: &Feature<R>, face: &Feature<R>, outwards: Vec3<R>) -> List<Shared<R>> {
+fn cut<R: Scalar, const N: usize, const K: usize, const M: usize>(
+    piece: &Feature<R, N>,
+    face: &Feature<R, K>,
+    outwards: Vec3<R>,
+) -> List<Shared<R>, M> {
     let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
     let nothing = Shared { at: Vec3::zero(), height: zero, feature: 0, carried: one };
     let mut found = List::of(nothing);
@@ -212,10 +226,10 @@ fn cut<R: Scalar>(piece: &Feature<R>, face: &Feature<R>, outwards: Vec3<R>) -> L
         }
         [from, to] => cut_line([*from, *to], face, outwards, &mut share),
         corners => {
-            let mut polygon = List::of(Left { at: Vec3::zero(), edge: 0 });
+            let mut polygon: List<Left<R>, M> = List::of(Left { at: Vec3::zero(), edge: 0 });
             corners.iter().for_each(|corner| polygon.push(Left { at: corner.at, edge: corner.id & ID }));
             for (id, out, from) in sides(face, outwards) {
-                polygon = clipped(&polygon, CUTTING | id, |at| out.dot(at - from));
+                clip(&mut polygon, CUTTING | id, |at| out.dot(at - from));
             }
             let left = polygon.items();
             for (index, corner) in left.iter().enumerate() {
@@ -229,7 +243,10 @@ fn cut<R: Scalar>(piece: &Feature<R>, face: &Feature<R>, outwards: Vec3<R>) -> L
 
 /// Of each side of a face: the number of its first corner, a vector out of the face across it, and
 /// that corner.
-fn sides<R: Scalar>(face: &Feature<R>, outwards: Vec3<R>) -> impl Iterator<Item = (u32, Vec3<R>, Vec3<R>)> {
+fn sides<R: Scalar, const K: usize>(
+    face: &Feature<R, K>,
+    outwards: Vec3<R>,
+) -> impl Iterator<Item = (u32, Vec3<R>, Vec3<R>)> {
     let corners = face.corners();
     // Along a vector that looks against the face's normal its corners run the other way.
     let towards = if face.normal.dot(outwards) < R::splat(0.0) { outwards * -R::splat(1.0) } else { outwards };
@@ -240,9 +257,9 @@ fn sides<R: Scalar>(face: &Feature<R>, outwards: Vec3<R>) -> impl Iterator<Item 
 }
 
 /// What is left of a line.
-fn cut_line<R: Scalar>(
+fn cut_line<R: Scalar, const K: usize>(
     [a, b]: [Corner<R>; 2],
-    face: &Feature<R>,
+    face: &Feature<R, K>,
     outwards: Vec3<R>,
     share: &mut impl FnMut(Vec3<R>, [u32; 2]),
 ) {
@@ -269,13 +286,23 @@ fn cut_line<R: Scalar>(
     }
 }
 
-/// What is left of a polygon where `beyond` is not positive; the side that cuts is called `edge`.
-fn clipped<R: Scalar>(polygon: &List<Left<R>>, edge: u32, beyond: impl Fn(Vec3<R>) -> R) -> List<Left<R>> {
-    let mut left = List::of(Left { at: Vec3::zero(), edge: 0 });
+/// Leaves of a polygon what is where `beyond` is not positive; the side that cuts is called `edge`.
+fn clip<R: Scalar, const M: usize>(polygon: &mut List<Left<R>, M>, edge: u32, beyond: impl Fn(Vec3<R>) -> R) {
     let (zero, corners) = (R::splat(0.0), polygon.items());
+    let mut heights = [zero; M];
+    heights.iter_mut().zip(corners).for_each(|(height, corner)| *height = beyond(corner.at));
+    let heights = &heights[..corners.len()];
+    if heights.iter().all(|height| *height <= zero) {
+        return;
+    }
+    if !heights.iter().any(|height| *height <= zero) {
+        polygon.len = 0;
+        return;
+    }
+    let mut left = List::of(Left { at: Vec3::zero(), edge: 0 });
+    let mut last = corners.len() - 1;
     for (index, corner) in corners.iter().enumerate() {
-        let before = corners[if index == 0 { corners.len() - 1 } else { index - 1 }];
-        let (from, to) = (beyond(before.at), beyond(corner.at));
+        let (before, from, to) = (corners[last], heights[last], heights[index]);
         if (from <= zero) != (to <= zero) {
             let at = before.at + (corner.at - before.at) * (from / (from - to));
             // Going out, it goes on along what cuts; coming in, along the edge it was on.
@@ -284,6 +311,7 @@ fn clipped<R: Scalar>(polygon: &List<Left<R>>, edge: u32, beyond: impl Fn(Vec3<R
         if to <= zero {
             left.push(*corner);
         }
+        last = index;
     }
-    left
+    *polygon = left;
 }

@@ -15,20 +15,20 @@ pub(crate) struct Corner<R> {
 }
 
 /// One corner, the two ends of an edge, or the corners of a face counter-clockwise as seen from
-/// outside.
+/// outside, with room for `N`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Feature<R> {
-    corners: [Corner<R>; MAX_CORNERS],
+pub(crate) struct Feature<R, const N: usize = MAX_CORNERS> {
+    corners: [Corner<R>; N],
     len: usize,
     /// Unit normal of a face, outwards; of anything else it means nothing.
     pub(crate) normal: Vec3<R>,
 }
 
-impl<R: Scalar> Feature<R> {
+impl<R: Scalar, const N: usize> Feature<R, N> {
     /// The corners given, as far as there is room.
     pub(crate) fn new(corners: impl IntoIterator<Item = (Vec3<R>, u32)>, normal: Vec3<R>) -> Self {
         let nowhere = Corner { at: Vec3::zero(), id: 0 };
-        let mut this = Self { corners: [nowhere; MAX_CORNERS], len: 0, normal };
+        let mut this = Self { corners: [nowhere; N], len: 0, normal };
         for ((at, id), slot) in corners.into_iter().zip(&mut this.corners) {
             *slot = Corner { at, id };
             this.len += 1;

@@ -54,6 +54,13 @@ mod sphere;
 mod sphere_lanes;
 mod support_map;
 mod surface;
+mod surface_cast;
+mod surface_hits;
+mod surface_piece;
+mod triangle_approach;
+mod triangle_cuboid;
+#[cfg(test)]
+mod triangle_tests;
 mod underside;
 mod work;
 

@@ -3,7 +3,7 @@
 use tumble_math::lane::Lane;
 
 use crate::aabb::Aabb;
-use crate::cast::{Gap, Moving, furthest_from_origin};
+use crate::cast::{Gap, Moving, furthest_from_origin, starts};
 use crate::collider_shape::{ColliderShape, Isometry};
 use crate::course::Course;
 use crate::frustum::Frustum;
@@ -125,7 +125,9 @@ fn of_core<R: Scalar>(less: f64, [first, second]: [&ColliderShape<R>; 2], course
             let Some((convex, layer)) = Convex::of(first) else { return End::Free };
             let reach: f64 = first.reach().map_or(0.0, Into::into);
             let radii = [courses[0].off_center() + (reach - layer).max(0.0), radius];
-            let moving = Moving { shapes: [convex, core.convex], layers: layer + core.layer, courses, radii };
+            let shapes = [convex, core.convex];
+            let layers = layer + core.layer;
+            let moving = Moving { shapes, layers, courses, radii, start: starts(courses) };
             end_at_shape(&moving, &core, layer)
         }
     }
@@ -278,7 +280,7 @@ fn advance(
 
 /// At one of the triangles of a surface that the core is in front of.
 fn end_at_surface(surface: &impl Surface, core: &Core<'_>, courses: [&Course; 2], radius: f64) -> End {
-    let [ground, body] = courses.map(|course| course.at(0.0));
+    let start @ [ground, body] = starts(courses);
     let middle = ground.to_local(body.to_world(core.convex.middle()));
     let mut end = End::Free;
     let mut ask = |triangle: u32| {
@@ -286,7 +288,8 @@ fn end_at_surface(surface: &impl Surface, core: &Core<'_>, courses: [&Course; 2]
         if surface.normal(triangle).dot(middle - corners[0]) > 0.0 {
             let radii = [courses[0].off_center() + furthest_from_origin(corners), radius];
             let shapes = [Convex::Triangle(corners), core.convex];
-            end = end.first(end_at_shape(&Moving { shapes, layers: core.layer, courses, radii }, core, 0.0));
+            let moving = Moving { shapes, layers: core.layer, courses, radii, start };
+            end = end.first(end_at_shape(&moving, core, 0.0));
         }
         end.until()
     };

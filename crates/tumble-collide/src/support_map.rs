@@ -129,7 +129,7 @@ impl<'a> Convex<'a> {
     /// The normal of the flat face that looks most in a direction, where there is one.
     pub(crate) fn face_normal(&self, d: Vector) -> Option<Vector> {
         match *self {
-            Self::Cuboid { half } => Some(Feature::of_cuboid(half, d).normal),
+            Self::Cuboid { half } => Some(Feature::<f64, 4>::of_cuboid(half, d).normal),
             Self::Frustum(frustum) => frustum.cap_normal(d),
             Self::Hull(hull) => Some(hull.face_normal(d)),
             Self::Triangle([a, b, c]) => {

@@ -34,7 +34,8 @@ pub(crate) trait Surface {
     fn patches(&self) -> &Patches;
 
     fn triangle(&self, triangle: u32) -> [Vector; 3] {
-        self.corners(triangle).map(|corner| self.point(corner))
+        let [a, b, c] = self.corners(triangle);
+        [self.point(a), self.point(b), self.point(c)]
     }
 
     /// The ends of each side of the triangles, of two that are next to each other once.
@@ -48,8 +49,7 @@ pub(crate) trait Surface {
 
     /// Unit normal, or zero of a triangle without area.
     fn normal(&self, triangle: u32) -> Vector {
-        let [a, b, c] = self.triangle(triangle);
-        unit((b - a).cross(c - a))
+        normal_of(&self.triangle(triangle))
     }
 
     /// The corner of the triangle beyond a side that is not on the side.
@@ -59,6 +59,11 @@ pub(crate) trait Surface {
         let beyond = self.corners(self.across(triangle, side)?);
         beyond.into_iter().find(|corner| !ends.contains(corner)).map(|corner| self.point(corner))
     }
+}
+
+/// The unit normal of a triangle, or zero if it has no area.
+pub(crate) fn normal_of([a, b, c]: &[Vector; 3]) -> Vector {
+    unit((*b - *a).cross(*c - *a))
 }
 
 /// What is precomputed of a surface.

@@ -193,6 +193,59 @@ proptest! {
     }
 }
 
+/// A ball, a capsule or a box from a centimetre to a hundred metres, up to 1:500, and how thick half
+/// of it is.
+fn any_size() -> impl Strategy<Value = (ColliderShape<f64>, f64)> {
+    let power = |range: std::ops::Range<f64>| range.prop_map(|exponent: f64| 10.0_f64.powf(exponent));
+    (power(-2.0..2.0), [power(-2.7..0.0), power(-2.7..0.0)], 0..5_u32).prop_map(|(size, [a, b], kind)| match kind {
+        0 => (ColliderShape::Sphere { radius: size }, size),
+        1 => (ColliderShape::Capsule { radius: size * a, half_height: size }, size * a),
+        kind => {
+            let [x, y, z] = [size, size * a, size * b];
+            let half_extents = [Vec3::new(x, y, z), Vec3::new(z, x, y), Vec3::new(y, z, x)][kind as usize - 2];
+            (ColliderShape::Cuboid { half_extents }, size * a.min(b))
+        }
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    /// Level ground of triangles up to 1:500, anywhere and turned in any way, is a half-space to what
+    /// is over it, whatever its size.
+    #[test]
+    fn ground_of_any_triangles_has_one_face((shape, thick) in any_size(), lies in any::<bool>(), turn in rotation(), long in 1.1..4.0_f64, narrow in -2.7..0.0_f64, place in [-0.5..0.5, -0.5..0.5_f64], far in vector(-1e4..1e4), ground_turn in rotation(), gap in -0.4..0.9_f64) {
+        let margin = (0.02 * thick).min(0.01);
+        let flat = Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 };
+        let local = Isometry { position: Vec3::zero(), orientation: if lies { flat } else { turn } };
+        let reach = shape.aabb(&local, 0.0).map(|aabb| aabb.high).unwrap();
+        let width = reach.x.max(reach.z) * long;
+        let step = width * 10.0_f64.powf(narrow);
+        let rows = 2 * (reach.z * 1.5 / step).ceil() as usize + 4;
+        let field = HeightField::new(vec![0.0; 4 * rows], 4, [width, step]).unwrap();
+        let ground = Isometry { position: far, orientation: ground_turn };
+        let height = reach.y + gap * margin;
+        let position = far + ground_turn.rotate(Vec3::new(place[0] * width, height, place[1] * step));
+        let at = Isometry { position, orientation: (ground_turn * local.orientation).normalize() };
+        let plane = contact_manifold(&ColliderShape::HalfSpace, &ground, &shape, &at, margin);
+        let field = ColliderShape::HeightField(Arc::new(field));
+        let mut found = Vec::new();
+        contact_manifolds(&field, &ground, &shape, &at, margin, &mut |_, manifold| found.push(*manifold));
+        prop_assert_eq!(found.len(), 1);
+        let up = ground_turn.rotate(Vec3::new(0.0, 1.0, 0.0));
+        prop_assert!(length(found[0].normal - up) < 1e-9, "{:?}, {:?}", found[0].normal, up);
+        let (x, y) = (least(&plane).unwrap(), least(&found[0]).unwrap());
+        // Places are known to a part of how far away they are.
+        prop_assert!((x - y).abs() < 0.06 * margin + 1e-11, "{x} of the plane, {y} of the field, margin {margin}");
+        // What lies flat stands on all of its corners: its points are as wide as it.
+        if let (true, ColliderShape::Cuboid { half_extents: h }) = (lies, &shape) {
+            prop_assert_eq!(found[0].points().len(), 4);
+            let width = found[0].points().iter().map(|point| length(point.position - at.position)).fold(0.0, f64::max);
+            prop_assert!((width - length(*h)).abs() <= margin + 1e-9 * length(*h), "{width} of {}", length(*h));
+        }
+    }
+}
+
 /// Of a point from a triangle, by looking at the face and every side.
 fn distance(point: Vector, [a, b, c]: [Vector; 3]) -> f64 {
     let of_side = |from: Vector, to: Vector| {

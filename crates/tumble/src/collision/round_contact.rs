@@ -8,6 +8,7 @@ use crate::collision::compound_parts::numbers;
 use crate::collision::contact::ContactRecord;
 use crate::collision::pipeline::Colliders;
 use crate::math::Real;
+use crate::storage::body_index::Slot;
 
 /// A contact of which a shape is round. Lengths are from the second body's centre of mass when the
 /// step began.
@@ -17,6 +18,8 @@ pub(crate) struct RoundContact {
     pub(crate) contact: u32,
     /// Of the pair of parts that meet, in what follows: of compounds the two parts alone.
     part: u32,
+    /// Of its bodies, if neither shape is a part of a compound.
+    whole: Option<[Slot; 2]>,
     geometries: [ColliderShape<Real>; 2],
     placements: [Isometry<Real>; 2],
     /// Whether the first body is not dynamic.
@@ -40,7 +43,8 @@ impl RoundContact {
         if !contact.is_refined() {
             return None;
         }
-        let states = contact.slots.map(|slot| &states[slot.index()]);
+        let slots = contact.slots;
+        let states = slots.map(|slot| &states[slot.index()]);
         let [Some((a, _)), Some((b, _))] = contact.slots.map(|slot| colliders.get(slot)) else { return None };
         let origin = states[1].center;
         let (part, [(inner, first), (other_inner, second)]) = parts([a.geometry(), b.geometry()], contact.part);
@@ -53,6 +57,7 @@ impl RoundContact {
         Some(Self {
             contact: number,
             part,
+            whole: inner.iter().all(Option::is_none).then_some(slots),
             geometries: [first.clone(), second.clone()],
             placements,
             has_non_dynamic: !states[0].is_dynamic,
@@ -61,14 +66,31 @@ impl RoundContact {
         })
     }
 
-    /// The manifold now, about the second body's centre of mass as it is now, if the bodies have
-    /// moved: by these delta poses since the step began, of centres of mass \[m\] and orientations.
-    pub(crate) fn find(&self, delta_poses: [Isometry<Real>; 2], has_turned: bool) -> Option<Manifold<Real>> {
+    /// Whether the manifolds of another contact of the same bodies are found with this one's.
+    pub(crate) fn is_found_with(&self, other: &Self) -> bool {
+        self.whole.is_some() && self.whole == other.whole
+    }
+
+    /// Of those that were found, its own.
+    pub(crate) fn of_part(&self, found: &[(u32, Manifold<Real>)]) -> Manifold<Real> {
+        let own = found.iter().rev().find(|(part, _)| *part == self.part);
+        own.map_or(Manifold::none(), |(_, manifold)| *manifold)
+    }
+
+    /// Finds the manifolds now, by part, about the second body's centre of mass as it is now, if the
+    /// bodies have moved: by these delta poses since the step began, of centres of mass \[m\] and
+    /// orientations. Returns whether they have.
+    pub(crate) fn find(
+        &self,
+        delta_poses: [Isometry<Real>; 2],
+        has_turned: bool,
+        found: &mut Vec<(u32, Manifold<Real>)>,
+    ) -> bool {
         let [first, second] = delta_poses;
         let slid = first.position - second.position;
         let still = STILL * self.margin;
         if !has_turned && slid.dot(slid) < still * still {
-            return None;
+            return false;
         }
         let [a, b] = &self.placements;
         let (p, q) = (first.orientation, second.orientation);
@@ -77,14 +99,11 @@ impl RoundContact {
             orientation: p * a.orientation,
         };
         let second_at = Isometry { position: q.rotate(b.position), orientation: q * b.orientation };
-        let mut found = Manifold::none();
         let [one, other] = &self.geometries;
         contact_manifolds(one, &first_at, other, &second_at, self.margin, &mut |part, manifold| {
-            if part == self.part {
-                found = *manifold;
-            }
+            found.push((part, *manifold));
         });
-        Some(found)
+        true
     }
 }
 

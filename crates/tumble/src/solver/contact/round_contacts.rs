@@ -59,11 +59,24 @@ pub(crate) fn find(rounds: &[RoundConstraint], delta_pose: &[DeltaPose]) -> Vec<
     let mut found = vec![None; rounds.len()];
     let parts = rounds.par_chunks(PART).zip(found.par_chunks_mut(PART));
     parts.by_at_least(2).for_each(|(rounds, found)| {
+        // The manifolds of bodies that touch in several parts are found once.
+        let mut of_pair = Vec::new();
+        let mut last: Option<(&RoundConstraint, bool)> = None;
         for (round, found) in rounds.iter().zip(found) {
-            let deltas = round.rows.map(|row| delta_pose[row.index()]);
-            let has_turned = deltas.iter().any(|delta| delta.has_turned != 0.0);
-            let delta_poses = deltas.map(|delta| Isometry { position: delta.translation, orientation: delta.rotation });
-            *found = round.contact.find(delta_poses, has_turned);
+            let known = last.filter(|(last, _)| last.rows == round.rows && last.contact.is_found_with(&round.contact));
+            let has_moved = known.map_or_else(
+                || {
+                    of_pair.clear();
+                    let deltas = round.rows.map(|row| delta_pose[row.index()]);
+                    let has_turned = deltas.iter().any(|delta| delta.has_turned != 0.0);
+                    let delta_poses =
+                        deltas.map(|delta| Isometry { position: delta.translation, orientation: delta.rotation });
+                    round.contact.find(delta_poses, has_turned, &mut of_pair)
+                },
+                |(_, has_moved)| has_moved,
+            );
+            last = Some((round, has_moved));
+            *found = has_moved.then(|| round.contact.of_part(&of_pair));
         }
     });
     found
