@@ -1,6 +1,7 @@
 //! The nearest points of points, segments and boxes in closed form: what is inside the layers of
 //! balls and capsules, and balls beside boxes.
 
+use crate::capsule::nearest_of_segments;
 use crate::gjk::on_segment;
 use crate::minkowski::Difference;
 use crate::support_map::{Convex, Vector};
@@ -43,12 +44,8 @@ fn on_line(middle: Vector, half: Vector, point: Vector) -> Vector {
 
 /// Of a segment about the origin and another: inside both, or where one of the four ends is nearest.
 fn of_segments(half: Vector, (middle, other_half): (Vector, Vector)) -> (Vector, Vector) {
-    let (along, other_along, both) = (half.dot(half), other_half.dot(other_half), half.dot(other_half));
-    let of_lines = along * other_along - both * both;
-    let (from, other_from) = (half.dot(middle), other_half.dot(middle));
-    // Of parallel lines all points are alike.
-    let inside = if of_lines > 0.0 { (from * other_along - other_from * both) / of_lines } else { 0.0 };
-    let mut best = beside(half * inside.clamp(-1.0, 1.0), middle, other_half);
+    let (inside, _) = nearest_of_segments([Vector::zero(), half], [middle, other_half]);
+    let mut best = beside(half * inside, middle, other_half);
     for end in [half, half * -1.0] {
         best = nearer(best, beside(end, middle, other_half));
     }
@@ -103,7 +100,7 @@ mod tests {
     fn few() -> impl Strategy<Value = Convex<'static>> {
         prop_oneof![
             Just(Convex::Point),
-            size().prop_map(|half_height| Convex::Segment { half_height }),
+            prop_oneof![size(), Just(0.0)].prop_map(|half_height| Convex::Segment { half_height }),
             [size(), size(), size()].prop_map(|[x, y, z]| Convex::Cuboid { half: Vector::new(x, y, z) }),
         ]
     }
