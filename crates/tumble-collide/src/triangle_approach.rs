@@ -95,6 +95,11 @@ fn of_axis(corners: &[Vector; 3], normal: Vector, half: Vector) -> Approach {
             return through_face(corners, normal, half);
         }
     }
+    let lower = if heights[0].abs() <= heights[1].abs() { ends[0] } else { ends[1] };
+    if let (false, (on_first, true)) = (crosses, nearest_to(corners, normal, lower)) {
+        // Nothing is nearer than the plane.
+        return over_face(corners, normal, on_first, lower);
+    }
     let mut best = (f64::INFINITY, ends[0], ends[0], false);
     let mut take = |on_first: Vector, on_axis: Vector, is_over: bool| {
         let apart = on_axis - on_first;
