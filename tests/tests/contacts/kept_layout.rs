@@ -53,7 +53,8 @@ fn change(world: &mut World, draw: &mut Draw, bodies: &mut Vec<Entity>, step: u6
         1 => bodies.push(fall(world, draw, 1000 + step)),
         2 => {
             let now = material(draw);
-            let changed = world.get::<&Collider>(bodies[which]).unwrap().clone().with_material(now).unwrap();
+            let known = Collider::clone(&world.get::<&Collider>(bodies[which]).unwrap());
+            let changed = known.with_material(now).unwrap();
             world.insert_one(bodies[which], changed).unwrap();
         }
         3 => world.insert_one(bodies[which], LockedAxes(Axes::LINEAR_X | Axes::ANGULAR_Z)).unwrap(),
