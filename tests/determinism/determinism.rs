@@ -359,7 +359,7 @@ fn the_bits_are_pinned() {
         "f32" => [
             (Integrator::SemiImplicitEuler, 0x3dfb_2099_2a23_8f88_u64),
             (Integrator::RungeKutta4, 0x2c7d_8c7c_a8a2_08ea),
-            (Integrator::MoserVeselov, 0xb14c_757b_76bf_8e9f),
+            (Integrator::MoserVeselov, 0x549f_3006_89e2_df1b),
         ],
         _ => [
             (Integrator::SemiImplicitEuler, 0xf348_153e_7d2d_ed93),
@@ -442,7 +442,7 @@ fn neighbours_do_not_matter_under_laws() {
 #[test]
 fn the_bits_under_laws_are_pinned() {
     let pinned = match PRECISION {
-        "f32" => [0x00a3_518b_c8ed_4701_u64, 0xa1ab_32c5_1b8a_444e, 0xe1bd_a2c8_a006_5821],
+        "f32" => [0x00a3_518b_c8ed_4701_u64, 0xa1ab_32c5_1b8a_444e, 0x265a_b259_78f4_088b],
         _ => [0x9c72_2948_6dcd_1a32, 0xc022_32c0_6a51_d93a, 0x7555_dfcc_77d4_c538],
     };
     let found = Integrator::ALL.map(|integrator| under_laws(0..700, integrator).0);

@@ -18,8 +18,8 @@ use crate::pile::{plain_scene, settings};
 
 /// A snapshot, a record as CSV and one as glTF, in single and double precision.
 const PINNED: [[u64; 3]; 2] = [
-    [0x0985_5431_1f54_0735, 0x6e66_9ee1_af54_b38d, 0xe000_b144_7496_33dd],
-    [0x598f_b71e_fa0f_9b94, 0xb969_0a96_f6c9_5cb6, 0x3c2b_eb0f_dcee_8db4],
+    [0xa595_7c33_f4db_6f55, 0x367d_8607_eedc_f85d, 0xf1bf_8635_aa39_ac53],
+    [0x2a78_2496_c8ef_64e3, 0xb969_0a96_f6c9_5cb6, 0x3c2b_eb0f_dcee_8db4],
 ];
 
 /// FNV-1a.

@@ -238,10 +238,10 @@ fn what_passes_does_not_matter() {
 #[test]
 fn the_bits_are_pinned() {
     let [plain, all] = match PRECISION {
-        "f32" => [0x689e_aabd_770c_caf5_u64, 0xdddf_2f5f_0c9b_a70e],
+        "f32" => [0xcf5f_9a42_3b6c_e49c_u64, 0x2ebc_612a_3b41_6113],
         _ => [0x9e7c_357e_82ad_4620, 0xb963_93c3_2880_00d7],
     };
-    let passes = if PRECISION == "f32" { 0x0d76_6628_1429_d6a5_u64 } else { 0xf9db_4750_572c_f4ba };
+    let passes = if PRECISION == "f32" { 0xa6bd_57e4_bb58_dfec_u64 } else { 0xf9db_4750_572c_f4ba };
     println!("\nran on {}", simd_name());
     let [auto, in_passes] = CASES;
     let found = auto.hash_of(plain_scene(None), 120);
