@@ -45,6 +45,11 @@ fn join(world: &mut World, [a, b]: [Entity; 2]) {
     world.spawn((joint,));
 }
 
+/// Locked axes make a mechanism direct that was in passes, which is another matter.
+fn is_jointed(world: &World, body: Entity) -> bool {
+    world.query::<&Joint>().iter().any(|joint| joint.bodies.contains(&body))
+}
+
 /// Changes something now and then.
 fn change(world: &mut World, draw: &mut Draw, bodies: &mut Vec<Entity>, step: u64) {
     let which = (draw.between(0.0, bodies.len() as f64) as usize).min(bodies.len() - 1);
@@ -57,9 +62,13 @@ fn change(world: &mut World, draw: &mut Draw, bodies: &mut Vec<Entity>, step: u6
             let changed = known.with_material(now).unwrap();
             world.insert_one(bodies[which], changed).unwrap();
         }
-        3 => world.insert_one(bodies[which], LockedAxes(Axes::LINEAR_X | Axes::ANGULAR_Z)).unwrap(),
+        3 if !is_jointed(world, bodies[which]) => {
+            world.insert_one(bodies[which], LockedAxes(Axes::LINEAR_X | Axes::ANGULAR_Z)).unwrap();
+        }
         4 => drop(world.remove_one::<LockedAxes>(bodies[which])),
-        5 if which > 0 => join(world, [bodies[which - 1], bodies[which]]),
+        5 if which > 0 && [which - 1, which].iter().all(|it| world.get::<&LockedAxes>(bodies[*it]).is_err()) => {
+            join(world, [bodies[which - 1], bodies[which]]);
+        }
         _ => {}
     }
 }

@@ -225,7 +225,7 @@ macro_rules! tile {
             }
 
             #[inline(always)]
-            unsafe fn scatter<const N: usize>(tiles: [Self; N], rows: &[*mut Eight; BLOCK]) {
+            fn scatter<const N: usize>(tiles: [Self; N], rows: &mut [&mut Eight; BLOCK]) {
                 const { assert!($width <= BLOCK) };
                 let mut vectors = [tiles[0].0; N];
                 let mut c = 1;
@@ -233,7 +233,7 @@ macro_rules! tile {
                     vectors[c] = tiles[c].0;
                     c += 1;
                 }
-                // SAFETY: the caller's promise; for the rest see the module.
+                // SAFETY: see the module.
                 unsafe { $rows::scatter_rows(vectors, rows) };
             }
 

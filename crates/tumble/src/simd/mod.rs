@@ -81,20 +81,16 @@ pub(crate) trait Tile: Lane {
     /// Overwrites the first `N` numbers of each of the first rows.
     fn store<R: Record, const N: usize>(numbers: [Self; N], rows: &mut [R]);
 
-    /// Overwrites rows of eight numbers that are anywhere, as many as there are bodies: at most a block's.
-    ///
-    /// # Safety
-    /// They may be written.
-    #[allow(unsafe_code, reason = "rows that lie anywhere; see `rows.rs`")]
+    /// Overwrites rows of eight numbers that are anywhere, as many as there are bodies: at most a
+    /// block's.
     #[inline(always)]
-    unsafe fn scatter<const N: usize>(numbers: [Self; N], rows: &[*mut Eight; BLOCK]) {
+    fn scatter<const N: usize>(numbers: [Self; N], rows: &mut [&mut Eight; BLOCK]) {
         const { assert!(Self::WIDTH <= BLOCK && N == 8) };
         let mut changed = [Eight::ZERO; BLOCK];
         Self::store(numbers, &mut changed);
         let mut i = 0;
         while i < Self::WIDTH {
-            // SAFETY: the caller's promise.
-            unsafe { *rows[i] = changed[i] };
+            *rows[i] = changed[i];
             i += 1;
         }
     }

@@ -244,15 +244,11 @@ pub(crate) fn store_rows<T: Tile, R: Octet>(lanes: R::Lanes<T>, rows: &mut [R]) 
 }
 
 /// Overwrites records that are anywhere, as many as a tile has lanes: at most a block's.
-///
-/// # Safety
-/// They may be written.
 #[inline(always)]
-pub(crate) unsafe fn scatter_rows<T: Tile, R: Octet>(lanes: R::Lanes<T>, rows: &[*mut R; BLOCK]) {
-    // SAFETY: the promise of `Octet`, for what is behind each pointer.
-    let rows: &[*mut Eight; BLOCK] = unsafe { &*std::ptr::from_ref(rows).cast() };
-    // SAFETY: the caller's promise.
-    unsafe { T::scatter(lane_numbers::<R, T>(&lanes), rows) };
+pub(crate) fn scatter_rows<T: Tile, R: Octet>(lanes: R::Lanes<T>, rows: &mut [&mut R; BLOCK]) {
+    // SAFETY: the promise of `Octet`, for what is behind each reference.
+    let rows: &mut [&mut Eight; BLOCK] = unsafe { &mut *std::ptr::from_mut(rows).cast() };
+    T::scatter(lane_numbers::<R, T>(&lanes), rows);
 }
 
 /// A record to test with.

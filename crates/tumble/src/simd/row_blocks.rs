@@ -158,11 +158,17 @@ pub(super) unsafe fn store_rows<V: Block, const N: usize>(v: [V; N], base: *mut 
 /// Stores rows of eight that are anywhere.
 ///
 /// # Safety
-/// As many rows as there are lanes may be written, and the machine has the instruction set.
+/// The machine has the instruction set, and there are no more lanes than rows.
 #[inline(always)]
-pub(super) unsafe fn scatter_rows<V: Block, const N: usize>(v: [V; N], rows: &[*mut Eight; BLOCK]) {
+pub(super) unsafe fn scatter_rows<V: Block, const N: usize>(v: [V; N], rows: &mut [&mut Eight; BLOCK]) {
     const { assert!(N == 8) };
-    let row = |lane: usize| rows[lane].cast::<Real>();
+    let mut begins = [rows[0].0.as_mut_ptr(); BLOCK];
+    let mut i = 1;
+    while i < BLOCK {
+        begins[i] = rows[i].0.as_mut_ptr();
+        i += 1;
+    }
+    let row = |lane: usize| begins[lane];
     // SAFETY: both blocks lie within a row of eight, and the caller's promise.
     unsafe {
         V::store4([v[0], v[1], v[2], v[3]], row);

@@ -199,24 +199,23 @@ impl<R: Octet> Rows<'_, R> {
     pub(crate) fn scatter<T: Tile>(&mut self, lanes: R::Lanes<T>, block: usize, which: usize, lane: usize) {
         let RowPairs { rows, count } = &self.blocks[block];
         let count = if self.has_non_dynamic && which == 0 { 0 } else { *count };
-        let of_pair = |i: usize| self.base.wrapping_add(rows[which][lane + i] as usize);
+        let mut aside = [R::ZERO; BLOCK];
         if count == BLOCK {
-            let mut all = [self.base; BLOCK];
+            let mut all = aside.each_mut();
             let mut i = 0;
             while i < T::WIDTH {
-                all[i] = of_pair(i);
+                // SAFETY: rows that may be changed are there, which was checked when they were listed and
+                // when this was made; no row is listed twice, and nothing else has access: see the type.
+                all[i] = unsafe { &mut *self.base.add(rows[which][lane + i] as usize) };
                 i += 1;
             }
-            // SAFETY: rows that may be changed are there, which was checked when they were listed and
-            // when this was made, and nothing else has access to them: see the type.
-            return unsafe { scatter_rows::<T, R>(lanes, &all) };
+            return scatter_rows::<T, R>(lanes, &mut all);
         }
-        let mut changed = [R::ZERO; BLOCK];
-        store_rows::<T, R>(lanes, &mut changed);
+        store_rows::<T, R>(lanes, &mut aside);
         let mut i = 0;
         while i < T::WIDTH && lane + i < count {
             // SAFETY: as before.
-            unsafe { *of_pair(i) = changed[i] };
+            unsafe { *self.base.add(rows[which][lane + i] as usize) = aside[i] };
             i += 1;
         }
     }

@@ -375,16 +375,16 @@ pub(super) unsafe fn store_rows<const N: usize>(numbers: [Vector; N], base: *mut
 /// Stores rows of eight that are anywhere.
 ///
 /// # Safety
-/// The rows may be written, and the machine has AVX-512F.
+/// The machine has AVX-512F.
 #[inline(always)]
-pub(super) unsafe fn scatter_rows<const N: usize>(numbers: [Vector; N], rows: &[*mut Eight; BLOCK]) {
+pub(super) unsafe fn scatter_rows<const N: usize>(numbers: [Vector; N], rows: &mut [&mut Eight; BLOCK]) {
     const { assert!(WIDTH == BLOCK && N == 8) };
     // SAFETY: the caller's promise.
     let vectors = unsafe { zip_rows::<8>(first(numbers)) };
     let mut k = 0;
     while k < 8 {
         // SAFETY: a row of eight is as long as a vector; and the caller's promise.
-        unsafe { store(rows[k].cast(), vectors[k]) };
+        unsafe { store(rows[k].0.as_mut_ptr(), vectors[k]) };
         k += 1;
     }
 }
