@@ -5,8 +5,8 @@
 //! `cargo bench --bench piles`, with `-- pyramid`, `balls`, `worlds` or `hills` for one of them, or
 //! `growth` for what a body costs in a pyramid of 1015 boxes and in one of 29 370; `-- stands` has
 //! the pyramid stand for 10 000 steps, and fails where it does not. With `--features peers` the
-//! same scenes are run in Rapier in the same process, alternating every ten steps, with its default of
-//! four solver iterations; with `peers-simd8` Rapier's solver has eight lanes. Printed are
+//! same scenes are run in Rapier in the same process, alternating every ten steps, with its default
+//! of four solver iterations; with `peers-simd8` Rapier's solver has eight lanes. Printed are
 //! milliseconds a step (of the pyramid the mean of steps 60 to 240, of the balls of all 300), how
 //! many body-steps that is a second, and what became of the scene: how far the top sank and the box
 //! that moved most went, how deep balls are in each other.
