@@ -2,9 +2,10 @@
 //! how much energy is lost, over ten seconds at 60 steps a second with four substeps.
 //!
 //! `cargo run --release -p tumble-benches --features peers --example joint_quality`, with the name
-//! of a scene for that one alone. Tumble runs as it is, and with rigid joints in passes; Rapier with
-//! its impulse joints and its default of four iterations, and with its multibody joints where it
-//! can. An engine that has taken ten seconds for this is stopped; `simulated` says how far it came.
+//! of a scene for that one alone. Tumble runs as it is, and with rigid joints in passes; Rapier
+//! with its impulse joints and its default of four iterations, and with its multibody joints where
+//! it can. An engine that has taken ten seconds for this is stopped; `simulated` says how far it
+//! came.
 //!
 //! Then the engines alternate in blocks of steps, so that what else the machine does hits all, and
 //! medians of three are printed. Both have one thread, and what is measured is its processor time,
