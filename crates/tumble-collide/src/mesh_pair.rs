@@ -286,8 +286,8 @@ impl<S: Surface> Over<'_, S> {
         self.memory.hits.list.extend(manifold.points().iter().map(hit));
     }
 
-    /// The way out over a side or a corner, if one as short as an approach leads away from all of the
-    /// surface there.
+    /// The way out over a side or a corner, if one as short as an approach leads away from all of
+    /// the surface there.
     fn way_out(&self, triangle: u32, place: &Place, shapes: &Difference<'_>, found: &Approach) -> Option<Approach> {
         // A direction from a ball's centre is as good as can be.
         let lead = if self.layer > 0.0 { OUTSIDE * OUTSIDE } else { FACE_LEAD };

@@ -42,7 +42,7 @@ fn on_line(middle: Vector, half: Vector, point: Vector) -> Vector {
     middle + half * (b - a)
 }
 
-/// Of a segment about the origin and another: inside both, or where one of the four ends is nearest.
+/// Of a segment about the origin and another: inside both, or where one of four ends is nearest.
 fn of_segments(half: Vector, (middle, other_half): (Vector, Vector)) -> (Vector, Vector) {
     let (inside, _) = nearest_of_segments([Vector::zero(), half], [middle, other_half]);
     let mut best = beside(half * inside, middle, other_half);

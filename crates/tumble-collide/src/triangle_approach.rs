@@ -26,8 +26,8 @@ pub(crate) fn triangle_approach(shapes: &Difference<'_>, normal: Vector, limit: 
     (found.between < limit).then(|| Approach { on_first: found.on_first + shapes.position, ..found })
 }
 
-/// Whether it is soon seen that a triangle and another shape are further apart than `limit`; if not,
-/// they may be so still.
+/// Whether it is soon seen that a triangle and another shape are further apart than `limit`; if
+/// not, they may be so still.
 pub(crate) fn is_beside(shape: &Difference<'_>, corners: &[Vector; 3], normal: Vector, limit: f64) -> bool {
     let half = match shape.second {
         Convex::Point => Vector::zero(),

@@ -1,5 +1,5 @@
-//! Promise: the closed forms of a triangle with a ball's centre, a capsule's axis and a box find the
-//! distance or the shortest way out that GJK and EPA find, for any sizes and shapes of either.
+//! Promise: the closed forms of a triangle with a ball's centre, a capsule's axis and a box find
+//! the distance or the shortest way out that GJK and EPA find, for any sizes and shapes of either.
 //!
 //! Why: contacts with ground stand on them. A distance is proved from both sides: the direction
 //! separates the shapes by it, and a point of the triangle is no further from the shape; a way out
@@ -193,8 +193,8 @@ proptest! {
         let known = approach(&shapes, f64::INFINITY);
         let Some(known) = known else { return Err(TestCaseError::fail("no answer of GJK")) };
         let far = pair.corners[0].dot(pair.corners[0]).sqrt();
-        // To six digits of the direction where they are apart, as GJK and EPA have it; what they find
-        // for shapes that just touch may be a longer way out.
+        // To six digits of the direction where they are apart, as GJK and EPA have it; what they
+        // find for shapes that just touch may be a longer way out.
         let slack = 1e-6 * (pair.size + known.between.abs()) + 1e-13 * far;
         let touch = found.between.abs() <= ROUNDING * pair.size + 1e-14 * far;
         prop_assert!(known.between <= found.between + slack, "{found:?}, {known:?}");

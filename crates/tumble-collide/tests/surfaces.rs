@@ -193,8 +193,8 @@ proptest! {
     }
 }
 
-/// A ball, a capsule or a box from a centimetre to a hundred metres, up to 1:500, and how thick half
-/// of it is.
+/// A ball, a capsule or a box from a centimetre to a hundred metres, up to 1:500, and how thick
+/// half of it is.
 fn any_size() -> impl Strategy<Value = (ColliderShape<f64>, f64)> {
     let power = |range: std::ops::Range<f64>| range.prop_map(|exponent: f64| 10.0_f64.powf(exponent));
     (power(-2.0..2.0), [power(-2.7..0.0), power(-2.7..0.0)], 0..5_u32).prop_map(|(size, [a, b], kind)| match kind {
@@ -211,8 +211,8 @@ fn any_size() -> impl Strategy<Value = (ColliderShape<f64>, f64)> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// Level ground of triangles up to 1:500, anywhere and turned in any way, is a half-space to what
-    /// is over it, whatever its size.
+    /// Level ground of triangles up to 1:500, anywhere and turned in any way, is a half-space to
+    /// what is over it, whatever its size.
     #[test]
     fn ground_of_any_triangles_has_one_face((shape, thick) in any_size(), lies in any::<bool>(), turn in rotation(), long in 1.1..4.0_f64, narrow in -2.7..0.0_f64, place in [-0.5..0.5, -0.5..0.5_f64], far in vector(-1e4..1e4), ground_turn in rotation(), gap in -0.4..0.9_f64) {
         let margin = (0.02 * thick).min(0.01);

@@ -77,9 +77,9 @@ impl RoundContact {
         own.map_or(Manifold::none(), |(_, manifold)| *manifold)
     }
 
-    /// Finds the manifolds now, by part, about the second body's centre of mass as it is now, if the
-    /// bodies have moved: by these delta poses since the step began, of centres of mass \[m\] and
-    /// orientations. Returns whether they have.
+    /// Finds the manifolds now, by part, about the second body's centre of mass as it is now, if
+    /// the bodies have moved: by these delta poses since the step began, of centres of mass \[m\]
+    /// and orientations. Returns whether they have.
     pub(crate) fn find(
         &self,
         delta_poses: [Isometry<Real>; 2],

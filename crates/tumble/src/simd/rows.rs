@@ -176,8 +176,8 @@ impl<R: Octet> Rows<'_, R> {
     #[inline(always)]
     pub(crate) fn gather<T: Tile>(&self, block: usize, which: usize, lane: usize) -> R::Lanes<T> {
         assert!(which == 1 || !self.has_non_dynamic || self.end <= self.count);
-        // SAFETY: rows that may be changed are there, which was checked when they were listed and when
-        // this was made. Nothing changes these rows: see the type; nor the one that stands for none.
+        // SAFETY: rows that may be changed are there, as was checked when they were listed and this
+        // was made. Nothing changes these rows: see the type; nor the one that stands for none.
         unsafe { gather_from(self.base, &self.blocks[block].rows[which], lane) }
     }
 
@@ -204,8 +204,8 @@ impl<R: Octet> Rows<'_, R> {
             let mut all = aside.each_mut();
             let mut i = 0;
             while i < T::WIDTH {
-                // SAFETY: rows that may be changed are there, which was checked when they were listed and
-                // when this was made; no row is listed twice, and nothing else has access: see the type.
+                // SAFETY: rows that may be changed are there, as was checked when they were listed
+                // and this was made; none is listed twice, and nothing else has access.
                 all[i] = unsafe { &mut *self.base.add(rows[which][lane + i] as usize) };
                 i += 1;
             }
