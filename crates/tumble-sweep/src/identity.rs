@@ -179,6 +179,7 @@ mod tests {
         let plan = SweepPlan { scene: "iss".into(), worlds: Some(1), ..SweepPlan::default() };
         let own = SweepIdentity::new(&Sweep::new(plan).unwrap(), None);
         let other = SweepIdentity { arithmetic: ARITHMETIC + 1, ..own.clone() };
-        assert_eq!(own.difference(&other), Some("arithmetic: 1 is not 2".to_owned()));
+        let expected = format!("arithmetic: {ARITHMETIC} is not {}", ARITHMETIC + 1);
+        assert_eq!(own.difference(&other), Some(expected));
     }
 }
