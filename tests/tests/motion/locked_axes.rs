@@ -231,16 +231,27 @@ fn a_heap_stays_in_its_plane() {
         let (mut world, bodies, size) = heap(&mut Draw::new(2354, case));
         let mut simulation = Simulation::new(Settings::default()).unwrap();
         run(&mut simulation, &mut world, 600);
+        // A ball rolls on. One that was on the heap may leave it late, and what it lay on moves then.
+        let fastest_box = |world: &World| {
+            let is_box = |body: &&Entity| {
+                let inertia = world.get::<&Inertia>(**body).unwrap();
+                inertia.moments().min_element() < inertia.moments().max_element()
+            };
+            let speed = |body: &Entity| dvec3(velocity(world, *body).linear).length();
+            bodies.iter().filter(is_box).map(speed).fold(0.0, f64::max)
+        };
+        let slow = 0.02 * (9.81 * size).sqrt();
+        let mut seconds = 10;
+        while fastest_box(&world) >= slow {
+            assert!(seconds < 20, "case {case}: {} m/s after {seconds} s", fastest_box(&world));
+            run(&mut simulation, &mut world, 60);
+            seconds += 1;
+        }
         for body in &bodies {
-            let (now, moves) = (pose(&world, *body), velocity(&world, *body));
+            let now = pose(&world, *body);
             assert_eq!(now.position.z, 0.0, "case {case}");
             assert_eq!([now.orientation.x, now.orientation.y], [0.0; 2], "case {case}");
             assert!(now.position.y > 0.0, "case {case}: {now:?}");
-            // A ball rolls on.
-            let is_ball =
-                world.get::<&Inertia>(*body).is_ok_and(|it| it.moments().min_element() == it.moments().max_element());
-            let speed = if is_ball { 0.0 } else { dvec3(moves.linear).length() };
-            assert!(speed < 0.02 * (9.81 * size).sqrt(), "case {case}: {speed} m/s");
         }
         let h = f64::from(simulation.settings().contact_substep());
         let mass = |body| world.get::<&Mass>(body).map_or(f64::INFINITY, |mass| f64::from(mass.kilograms()));
