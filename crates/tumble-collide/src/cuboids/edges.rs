@@ -5,14 +5,17 @@ use tumble_math::lane::{Lane, Vec3};
 use super::{MIN_SINE, Pair};
 use crate::lanes::{FAR, ManifoldLanes, sign};
 
+/// What a sine may be larger than one by rounding, with much to spare.
+const ROUNDED: f64 = 1.0 - 1e-5;
+
 /// How far the common perpendicular of an edge of each separates the boxes at most, and which
 /// edges: `3 i + j`. Among edges the best has to be taken: the nearest points of others may be past
-/// their ends.
+/// their ends. Where all are below zero and below `bar`, a gap below both.
 #[inline(always)]
-pub(super) fn widest_gap<L: Lane>(pair: &Pair<L>) -> (L, L) {
+pub(super) fn widest_gap<L: Lane>(pair: &Pair<L>, bar: L) -> (L, L) {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let ([h, k], along, c, d) = (pair.half, pair.along[0], &pair.cosines, &pair.absolute);
-    let (mut best, mut code) = (L::splat(-FAR), zero);
+    let (mut squares, mut gaps, mut most) = ([one; 9], [zero; 9], L::splat(-FAR));
     let mut index = 0;
     while index < 9 {
         let (i, j) = (index / 3, index % 3);
@@ -21,8 +24,19 @@ pub(super) fn widest_gap<L: Lane>(pair: &Pair<L>) -> (L, L) {
         let square = c[i1][j] * c[i1][j] + c[i2][j] * c[i2][j];
         let distance = (c[i1][j] * along[i2] - c[i2][j] * along[i1]).abs();
         let reach = (h[i2] * d[i1][j] + h[i1] * d[i2][j]) + (k[j1] * d[i][j2] + k[j2] * d[i][j1]);
-        let gap = (distance - reach) * (one / square.sqrt());
-        let gap = L::select(square.lt(L::splat(MIN_SINE * MIN_SINE)), L::splat(-FAR), gap);
+        squares[index] = square;
+        gaps[index] = L::select(square.lt(L::splat(MIN_SINE * MIN_SINE)), L::splat(-FAR), distance - reach);
+        most = most.max(gaps[index]);
+        index += 1;
+    }
+    let (mut best, mut code) = (L::splat(-FAR), zero);
+    // A sine is at most one, so what is negative is more so when divided by it.
+    if L::all((most * L::splat(ROUNDED)).lt(bar.min(zero))) {
+        return (best, code);
+    }
+    let mut index = 0;
+    while index < 9 {
+        let gap = gaps[index] * (one / squares[index].sqrt());
         let better = best.lt(gap);
         best = L::select(better, gap, best);
         code = L::select(better, L::splat(index as f64), code);

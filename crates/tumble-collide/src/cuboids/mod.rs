@@ -169,13 +169,14 @@ pub fn cuboid_pair<L: Lane>(
         sum = sum + gaps[axis];
         axis += 1;
     }
-    let (edge_gap, edge_code) = edges::widest_gap(&pair);
+    let bar = best + leads[1];
+    let (edge_gap, edge_code) = edges::widest_gap(&pair, bar);
     widest = widest.max(edge_gap);
     // What is not finite is not near.
     let near = L::select(margin.lt(widest), L::splat(0.0), L::splat(1.0));
     let near = L::select(sum.abs().lt(L::splat(FAR)), near, L::splat(0.0));
     let mut manifold = faces::contact(&pair, code, margin);
-    let by_edges = (best + leads[1]).lt(edge_gap);
+    let by_edges = bar.lt(edge_gap);
     if L::any(by_edges) {
         let crossing = edges::contact(&pair, edge_code, edge_gap);
         let (zero, one) = (L::splat(0.0), L::splat(1.0));

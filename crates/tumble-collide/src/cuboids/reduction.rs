@@ -2,7 +2,7 @@
 
 use tumble_math::lane::{Lane, Vec3};
 
-use crate::lanes::FAR;
+use crate::lanes::{FAR, sign};
 
 /// By how much a later point must be better than an earlier one to be taken in its place. Only as
 /// much as rounding may make of points that are the same: the order of the points is not the same
@@ -54,6 +54,17 @@ impl<L: Lane> Candidate<L> {
             index: L::select(mask, if_true.index, if_false.index),
         }
     }
+
+    /// As [`select`](Self::select), with the index of the second.
+    #[inline(always)]
+    fn select_point(mask: L::Mask, if_true: Self, if_false: Self) -> Self {
+        Self {
+            at: Vec3::select(mask, if_true.at, if_false.at),
+            carried: L::select(mask, if_true.carried, if_false.carried),
+            feature: L::select(mask, if_true.feature, if_false.feature),
+            index: if_false.index,
+        }
+    }
 }
 
 /// Up to four of the points there are: the outermost of the deepest, the one farthest from it, the
@@ -63,12 +74,27 @@ impl<L: Lane> Candidate<L> {
 /// mean of the points is beside it where several are in one place.
 #[inline(always)]
 pub(super) fn choose<L: Lane, const N: usize>(
-    mut candidates: [Candidate<L>; N],
+    candidates: [Candidate<L>; N],
     margin: L,
     size: L,
     middle: [L; 2],
 ) -> [Candidate<L>; 4] {
     let least_size = size * L::splat(MIN_SIZE);
+    let (all, count) = first_four(&candidates);
+    if L::all(L::splat(0.5).lt(are_corners(&all, count, least_size))) {
+        return all;
+    }
+    best_four(candidates, margin, least_size, middle)
+}
+
+/// As [`choose`], of any number of points.
+#[inline(always)]
+fn best_four<L: Lane, const N: usize>(
+    mut candidates: [Candidate<L>; N],
+    margin: L,
+    least_size: L,
+    middle: [L; 2],
+) -> [Candidate<L>; 4] {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
     let mut least = L::splat(FAR);
     let mut k = 0;
@@ -113,6 +139,51 @@ pub(super) fn choose<L: Lane, const N: usize>(
         k += 1;
     }
     in_order([first, second, third, best(&mut candidates, scores, least_size)])
+}
+
+/// The first four points that there are, in their order and without their index, and how many
+/// there are.
+#[inline(always)]
+fn first_four<L: Lane, const N: usize>(candidates: &[Candidate<L>; N]) -> ([Candidate<L>; 4], L) {
+    let (zero, one) = (L::splat(0.0), L::splat(1.0));
+    let mut four = [Candidate::nowhere(); 4];
+    let mut count = zero;
+    let mut k = N;
+    while k > 0 {
+        k -= 1;
+        let is_there = candidates[k].at.z.lt(L::splat(FAR * 0.5));
+        // Those after it move on by one place; there are `N - 1 - k` of them at most.
+        let mut place = if N - 1 - k < 3 { N - 1 - k } else { 3 };
+        while place > 0 {
+            four[place] = Candidate::select_point(is_there, four[place - 1], four[place]);
+            place -= 1;
+        }
+        four[0] = Candidate::select_point(is_there, candidates[k], four[0]);
+        count = count + L::select(is_there, one, zero);
+    }
+    (four, count)
+}
+
+/// One where there are up to four points and each is a corner of their convex hull, clearly so:
+/// then all of them would be chosen. Else zero.
+#[inline(always)]
+fn are_corners<L: Lane>([a, b, c, d]: &[Candidate<L>; 4], count: L, least_size: L) -> L {
+    let (zero, one) = (L::splat(0.0), L::splat(1.0));
+    let above = |number: L, bar: L| L::select(bar.lt(number), one, zero);
+    // So that rounding in areas about other corners changes nothing.
+    let clear = least_size * L::splat(2.0);
+    let (abc, abd) = (area(a.at, b.at, c.at), area(a.at, b.at, d.at));
+    let (acd, bcd) = (area(a.at, c.at, d.at), area(b.at, c.at, d.at));
+    let least = abc.abs().min(abd.abs()).min(acd.abs().min(bcd.abs()));
+    // Of four points in the plane one is within the triangle of the others where this is negative.
+    let turns = (sign(abc) * sign(abd)) * (sign(acd) * sign(bcd));
+    let four = above(least, clear) * above(turns, zero);
+    let three = above(abc.abs(), clear);
+    let two = above(square(b.at.x - a.at.x, b.at.y - a.at.y), clear);
+    let up_to_two = L::select(count.lt(L::splat(1.5)), one, two);
+    let up_to_three = L::select(count.lt(L::splat(2.5)), up_to_two, three);
+    let up_to_four = L::select(count.lt(L::splat(3.5)), up_to_three, four);
+    L::select(count.lt(L::splat(4.5)), up_to_four, zero)
 }
 
 /// In the order they came in, whatever made them be chosen: a solver that takes them one after the
@@ -165,4 +236,65 @@ fn area<L: Lane>(a: Vec3<L>, b: Vec3<L>, c: Vec3<L>) -> L {
 #[inline(always)]
 fn square<L: Lane>(x: L, y: L) -> L {
     x * x + y * y
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// In parts of the face, and above it.
+    type Point = (f32, f32, f32);
+
+    /// Up to twelve points in a face of `width` by `depth`, of which some are in one place and some
+    /// in a line.
+    fn points() -> impl Strategy<Value = (Vec<Option<Point>>, f32)> {
+        let place = prop_oneof![2 => -1.0_f32..1.0, 1 => Just(-1.0), 1 => Just(1.0), 1 => Just(0.25)];
+        let point = proptest::option::weighted(0.4, (place.clone(), place, -1.0_f32..1.0));
+        (proptest::collection::vec(point, 12), prop_oneof![Just(0.01_f32), Just(1.0), Just(100.0)])
+    }
+
+    fn candidates(points: &[Option<Point>], width: f32) -> [Candidate<f32>; 12] {
+        std::array::from_fn(|k| {
+            let Some((x, y, z)) = points[k] else { return Candidate::nowhere() };
+            let at = Vec3::new(x * width, y * width * 0.3, z * width * 0.01);
+            Candidate { at, carried: 0.5, feature: k as f32, index: 0.0 }.within(0.02 * width, k)
+        })
+    }
+
+    fn places(chosen: [Candidate<f32>; 4]) -> [[f32; 4]; 4] {
+        chosen.map(|it| [it.at.x, it.at.y, it.at.z, it.feature])
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(4096))]
+
+        #[test]
+        fn points_that_are_all_corners_are_chosen_without_a_choice((points, width) in points()) {
+            let (margin, size) = (0.02 * width, width * width * 1.09);
+            let candidates = candidates(&points, width);
+            let chosen = choose(candidates, margin, size, [0.1 * width, 0.0]);
+            let general = best_four(candidates, margin, size * MIN_SIZE as f32, [0.1 * width, 0.0]);
+            prop_assert_eq!(places(chosen), places(general));
+        }
+    }
+
+    #[test]
+    fn four_corners_are_taken_and_a_point_between_them_is_not() {
+        let corner = |x: f32, y: f32| Some((x, y, 0.0));
+        let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+        let short = |fifth: Option<Point>, fourth: Option<Point>| {
+            let mut points = vec![None; 12];
+            points[..3].copy_from_slice(&corners[..3]);
+            (points[7], points[9]) = (fourth, fifth);
+            let (four, count) = first_four(&candidates(&points, 1.0));
+            are_corners(&four, count, 1e-5) > 0.5
+        };
+        assert!(short(None, corners[3]) && short(None, None));
+        assert!(!short(corners[3], corners[3]), "there are five");
+        assert!(!short(None, corner(0.3, -0.2)), "one is within the triangle of the others");
+        assert!(!short(None, corner(0.0, -1.0)), "three are in a line");
+        assert!(!short(None, corners[0]), "two are in one place");
+    }
 }
