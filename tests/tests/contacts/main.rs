@@ -33,4 +33,5 @@ mod sleep;
 mod sleep_changes;
 mod sleep_repeats;
 mod thin_bodies;
+mod tiles;
 mod towers;

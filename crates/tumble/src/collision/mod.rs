@@ -8,6 +8,7 @@
 //! Physics Simulation", M. Macklin and others, SCA 2019; E. Catto, "Solver2D", 2024). Bodies
 //! without contacts are left to the integrator of the settings.
 
+pub(crate) mod aabb_tiles;
 pub(crate) mod body_key;
 pub(crate) mod collider;
 pub(crate) mod collider_error;

@@ -122,8 +122,21 @@ impl ShapeLanesPart<'_> {
             ColliderShape::Sphere { radius } => Vec3::new(radius, 0.0, 0.0),
             _ => Vec3::zero(),
         };
+        self.set_extents(slot, extents, at, (at.position - center, reach, margin));
+    }
+
+    /// Sets a shape by how far it extends, its origin from the body's centre of mass, its reach and
+    /// its margin \[m\].
+    #[inline]
+    pub(crate) fn set_extents(
+        &mut self,
+        slot: usize,
+        extents: Vec3<Real>,
+        at: &Isometry<Real>,
+        (offset, reach, margin): (Vec3<Real>, Real, Real),
+    ) {
         self.poses[slot] = ShapePose { position: at.position, orientation: at.orientation, _unused: 0.0 };
-        self.sizes[slot] = ShapeSize { extents, offset: at.position - center, reach, margin };
+        self.sizes[slot] = ShapeSize { extents, offset, reach, margin };
     }
 }
 

@@ -7,6 +7,7 @@ use hecs::World;
 use rayon::prelude::*;
 use tumble_collide::{BroadPhase, ColliderShape, contact_manifolds, nearest_manifold};
 
+use crate::collision::aabb_tiles::CenteredShape;
 use crate::collision::collider::{Collider, Groups};
 use crate::collision::collider_state::{ColliderState, ColliderStates};
 use crate::collision::contact::{ContactRecord, Second, UpdateRule};
@@ -74,6 +75,7 @@ pub(crate) struct CollisionPipeline {
 pub(crate) struct Colliders {
     /// Each with its body's centre of mass, in the body's frame \[m\].
     pub(crate) list: Vec<Option<(Collider, WorldVec3)>>,
+    pub(crate) centered: Vec<CenteredShape>,
     pub(crate) groups: Vec<Groups>,
     /// Empty where there are no sensors.
     pub(crate) sensors: Vec<SensorRole>,
@@ -107,7 +109,7 @@ impl Colliders {
     /// Reads the colliders of a world, and adds the slots of those that are others than they were.
     /// Returns whether pairs are filtered as before.
     fn update(&mut self, world: &World, body_index: &BodyIndex, same_slots: bool, changed: &mut Vec<Slot>) -> bool {
-        let Self { list, groups, sensors, materials, are_changed } = self;
+        let Self { list, centered, groups, sensors, materials, are_changed } = self;
         // Groups and materials are by slot too.
         let mut is_same = same_slots && list.len() == body_index.len();
         list.resize(body_index.len(), None);
@@ -130,6 +132,8 @@ impl Colliders {
         if is_same {
             return true;
         }
+        centered.clear();
+        centered.extend(list.iter().map(CenteredShape::of));
         materials.list(list.iter().map(|collider| collider.as_ref().map(|(collider, _)| collider)));
         let of = |collider: &Option<(Collider, _)>| collider.as_ref().map_or(Groups::ALL, |(it, _)| it.filter_groups());
         let of_sensor = |collider: &Option<(Collider, _)>| {

@@ -3,6 +3,7 @@
 use tumble_collide::{Isometry, Proxy};
 use tumble_math::lane::{Quat, Vec3};
 
+use crate::collision::aabb_tiles::{CenteredShape, update_in_tiles};
 use crate::collision::collider::Collider;
 use crate::collision::collider_state::{Activity, ColliderState, ColliderStates, Motion};
 use crate::collision::narrow_phase::{LaneKind, ShapeLanesPart};
@@ -13,6 +14,7 @@ use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, Moments};
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, within};
+use crate::simd::BLOCK;
 use crate::storage::chunk::MIN_CHUNK;
 use crate::storage::world_columns::{PoseView, WorldColumns};
 use crate::threads;
@@ -48,6 +50,7 @@ impl CollisionPipeline {
                 let slots = run[0].index()..run[0].index() + run.len();
                 let update = AabbUpdate {
                     colliders: &colliders.list[slots.clone()],
+                    shapes: &colliders.centered[slots.clone()],
                     states: &mut states[slots.clone()],
                     activity: &mut activity[slots.clone()],
                     proxies: &mut proxies[slots.clone()],
@@ -74,12 +77,13 @@ pub(crate) struct Intervals {
 }
 
 /// The update of neighbouring slots.
-struct AabbUpdate<'a> {
+pub(crate) struct AabbUpdate<'a> {
     colliders: &'a [Option<(Collider, WorldVec3)>],
-    states: &'a mut [ColliderState],
-    activity: &'a mut [Activity],
-    proxies: &'a mut [Proxy<Real>],
-    lanes: ShapeLanesPart<'a>,
+    pub(crate) shapes: &'a [CenteredShape],
+    pub(crate) states: &'a mut [ColliderState],
+    pub(crate) activity: &'a mut [Activity],
+    pub(crate) proxies: &'a mut [Proxy<Real>],
+    pub(crate) lanes: ShapeLanesPart<'a>,
     /// Empty where there are none.
     sensors: &'a [SensorRole],
     /// Empty where none sleeps.
@@ -89,11 +93,17 @@ struct AabbUpdate<'a> {
 impl AabbUpdate<'_> {
     /// Runs in parallel.
     fn run(mut self, bodies: PoseView<'_>, intervals: Intervals) {
-        let middle = self.states.len() / 2;
         if self.states.len() <= MIN_CHUNK {
-            return (0..self.states.len()).for_each(|i| self.update(i, bodies, intervals));
+            return match bodies.dynamic {
+                Some(dynamic) if self.sensors.is_empty() && self.asleep.is_empty() => {
+                    update_in_tiles(&mut self, bodies, dynamic, intervals);
+                }
+                _ => (0..self.states.len()).for_each(|i| self.update(i, bodies, intervals)),
+            };
         }
+        let middle = (self.states.len() / 2).next_multiple_of(BLOCK);
         let (colliders, other_colliders) = self.colliders.split_at(middle);
+        let (shapes, other_shapes) = self.shapes.split_at(middle);
         let (states, other_states) = self.states.split_at_mut(middle);
         let (activity, other_activity) = self.activity.split_at_mut(middle);
         let (proxies, other_proxies) = self.proxies.split_at_mut(middle);
@@ -102,6 +112,7 @@ impl AabbUpdate<'_> {
         let (asleep, other_asleep) = self.asleep.split_at(middle.min(self.asleep.len()));
         let others = AabbUpdate {
             colliders: other_colliders,
+            shapes: other_shapes,
             states: other_states,
             activity: other_activity,
             proxies: other_proxies,
@@ -109,7 +120,7 @@ impl AabbUpdate<'_> {
             sensors: other_sensors,
             asleep: other_asleep,
         };
-        let these = AabbUpdate { colliders, states, activity, proxies, lanes, sensors, asleep };
+        let these = AabbUpdate { colliders, shapes, states, activity, proxies, lanes, sensors, asleep };
         threads::join(
             || these.run(bodies.rows(0..middle), intervals),
             || others.run(bodies.rows(middle..bodies.pose.len()), intervals),
@@ -120,7 +131,13 @@ impl AabbUpdate<'_> {
         self.asleep.get(i).is_some_and(|it| *it)
     }
 
-    fn update(&mut self, i: usize, bodies: PoseView<'_>, Intervals { interval, ahead: ahead_of, drop }: Intervals) {
+    /// Updates one body.
+    pub(crate) fn update(
+        &mut self,
+        i: usize,
+        bodies: PoseView<'_>,
+        Intervals { interval, ahead: ahead_of, drop }: Intervals,
+    ) {
         let is_asleep = self.is_asleep(i);
         if is_asleep && self.activity[i] == Activity::Asleep {
             // It is where it was.
@@ -129,7 +146,7 @@ impl AabbUpdate<'_> {
         let Some((collider, offset)) = &self.colliders[i] else { return };
         let center = Vec3::from(bodies.pose[i].position);
         let orientation = Quat::from(bodies.pose[i].orientation).normalize();
-        let position = center - orientation.rotate(Vec3::from(*offset));
+        let position = if *offset == WorldVec3::ZERO { center } else { center - orientation.rotate((*offset).into()) };
         let mut placement = collider.placement(Isometry { position, orientation });
         let velocity = bodies.velocity.map_or(Velocity::default(), |velocities| velocities[i]);
         let geometry = collider.geometry();
@@ -186,16 +203,16 @@ impl AabbUpdate<'_> {
 }
 
 /// The margin of a dynamic body as a share of half its thickness, ...
-const MARGIN_SHARE: Real = 0.02;
+pub(crate) const MARGIN_SHARE: Real = 0.02;
 /// ... but no more than this \[m\]; two dynamic bodies have the sum of theirs.
-const MAX_MARGIN: Real = 0.01;
+pub(crate) const MAX_MARGIN: Real = 0.01;
 
 /// A body with half a thickness of less than this many falls in a step is so thin that gravity
 /// alone may take it through the ground, or so deep into it that it shows.
-const THIN: Real = 5.0;
+pub(crate) const THIN: Real = 5.0;
 /// A body whose furthest points turn by less than this part of its margin does not turn, for
 /// speculative contacts.
-const TURNED: Real = 0.25;
+pub(crate) const TURNED: Real = 0.25;
 
 /// Whether a body stands and is where contacts can be found.
 fn is_somewhere(pose: &Pose, places: [Vec3<Real>; 2]) -> bool {

@@ -6,6 +6,7 @@
 #![allow(clippy::manual_map, reason = "a closure that computes with tiles is compiled without their instruction set")]
 
 pub(crate) mod account;
+pub(crate) mod clear_range;
 pub(crate) mod derived;
 pub(crate) mod forces;
 pub(crate) mod kick;

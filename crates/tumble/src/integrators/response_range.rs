@@ -9,10 +9,10 @@ use crate::math::Real;
 use crate::range::{MAX_IMPULSE, MAX_SPEED, is_rotation, within};
 
 /// Masses \[kg\] of bodies that touch or that springs hold.
-const MASSES: RangeInclusive<Real> = 1e-16..=1e24;
+pub(crate) const MASSES: RangeInclusive<Real> = 1e-16..=1e24;
 /// What an impulse of 1 N s at the furthest point of a body may change its velocity there by
 /// turning it [1/kg], and one of 1 N m s its angular velocity [1/(kg m^2)].
-const MAX_RESPONSES: [Real; 2] = [1e17, 1e32];
+pub(crate) const MAX_RESPONSES: [Real; 2] = [1e17, 1e32];
 
 /// Whether a body with these momenta, and points at most so far from its centre \[m\], answers to
 /// impulses by numbers that are in range.

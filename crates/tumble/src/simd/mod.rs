@@ -290,6 +290,17 @@ pub(crate) fn dispatch_in_blocks(kernel: &mut impl Kernel) {
     Level::chosen().run_in_blocks(kernel);
 }
 
+/// Runs a kernel of whole blocks, and on the rest of this many bodies one at a time.
+pub(crate) fn dispatch_blocks_and_rest(kernel: &mut impl Kernel, count: usize) {
+    dispatch_in_blocks(kernel);
+    (kernel.len()..count).for_each(|i| kernel.tile::<Real>(i));
+}
+
+/// How many of this many bodies are in whole blocks.
+pub(crate) fn in_whole_blocks(count: usize) -> usize {
+    count - count % BLOCK
+}
+
 /// Runs a kernel of fours with the instruction set in force.
 #[inline]
 pub(crate) fn dispatch_fours(kernel: impl FourKernel) {

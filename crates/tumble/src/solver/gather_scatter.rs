@@ -12,15 +12,15 @@ use crate::forces::force_context::ForceContext;
 use crate::forces::registry::{ForceLaws, Laws};
 use crate::integrators::Forces;
 use crate::integrators::kinetic_energy::KineticEnergy;
-use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, State};
 use crate::joints::axis_lock::LockedSlot;
 use crate::joints::joint_list::JointList;
 use crate::math::{Real, Vec3 as WorldVec3};
-use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, is_rotation, within};
+use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, within};
 use crate::settings::Settings;
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact_work::ContactWorks;
+use crate::solver::gather_tiles::{are_kicked_in_range, gather_tiles, is_in_range};
 use crate::solver::mechanism::mechanisms::Mechanisms;
 use crate::solver::solver_bodies::{DynamicRows, SolverBodies, SolverRow};
 use crate::storage::body_index::{BodyIndex, Slot};
@@ -135,7 +135,7 @@ fn drop_out_of_range(
     bodies: &SolverBodies,
     rows: Range<usize>,
 ) {
-    if rows.clone().all(|row| bodies.is_kicked_in_range(row)) {
+    if are_kicked_in_range(bodies, rows.clone()) {
         return;
     }
     let is_in_range = |slots: &[Slot; 2]| {
@@ -226,6 +226,10 @@ impl Gather<'_> {
     ) {
         let Self { constrained, settings, time } = *self;
         let h = settings.contact_substep();
+        if laws.is_empty() && contact_works.is_none() {
+            let is_read = |slot: &Slot| constrained.awake_row(*slot).is_some();
+            return gather_tiles(chunk, slots.iter().map(is_read), dynamic, h);
+        }
         let rows = slots.iter().enumerate().filter_map(|(i, slot)| Some((i, *slot, constrained.awake_row(*slot)?)));
         for (next, (i, slot, solver_row)) in rows.enumerate() {
             let constants: Constants<Real> = chunk.constants(i);
@@ -235,10 +239,7 @@ impl Gather<'_> {
             let (wrench, row) = (chunk.wrench[i], chunk.first_row + i);
             let forces = LawForces { constants: &constants, context: &context, wrench, laws, row, time };
             dynamic.set(next, &constants, &state, forces.at(0.0, &state), h);
-            // It is, unless the caller has changed it since contacts were found.
-            let responds = responds_in_range(&constants, [state.linear, state.angular], 0.0);
-            let is_somewhere = within(state.position, MAX_DISTANCE_OF_CONTACTS) && is_rotation(state.orientation);
-            if !(responds && is_somewhere) {
+            if !is_in_range(&constants, &state) {
                 dynamic.set_out_of_range(next);
             }
             if let Some(contact_works) = contact_works.as_deref_mut() {

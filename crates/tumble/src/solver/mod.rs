@@ -7,6 +7,7 @@ pub(crate) mod contact;
 pub(crate) mod contact_work;
 pub(crate) mod direct;
 pub(crate) mod gather_scatter;
+pub(crate) mod gather_tiles;
 pub(crate) mod graph_coloring;
 pub(crate) mod halved_substeps;
 pub(crate) mod joint_passes;

@@ -303,35 +303,41 @@ impl DynamicRows<'_> {
     }
 
     /// Sets a dynamic body, for substeps of `h` \[s\].
-    pub(crate) fn set(
+    #[inline(always)]
+    pub(crate) fn set<T: Tile>(
         &mut self,
         row: usize,
-        constants: &Constants<Real>,
-        state: &State<Real>,
-        force: Force<Real>,
+        constants: &Constants<T>,
+        state: &State<T>,
+        force: Force<T>,
         h: Real,
     ) {
+        let zero = T::splat(0.0);
         let mut orientation = state.orientation.normalize();
         if let Some(inertia) = &constants.inertia {
             let (diagonal, off_diagonal) = inertia.inverse_in_world(orientation);
-            self.inv_inertia[row] = WorldInverseInertia { diagonal, off_diagonal, _unused: [0.0; 2] };
+            store_rows(
+                WorldInverseInertia { diagonal, off_diagonal, _unused: [zero; 2] },
+                &mut self.inv_inertia[row..],
+            );
             let Moments { moments, inverse_moments, .. } = *inertia;
             let turn_tolerance = turn_tolerance(inverse_moments);
-            self.inertia[row] = PrincipalMoments { moments, inverse_moments, turns: 1.0, turn_tolerance };
-            orientation = inertia.axes.map_or(orientation, |axes| orientation * axes);
+            store_rows(
+                PrincipalMoments { moments, inverse_moments, turns: T::splat(1.0), turn_tolerance },
+                &mut self.inertia[row..],
+            );
+            if let Some(axes) = inertia.axes {
+                orientation = orientation * axes;
+            }
         }
-        self.motion[row] = BodyMotion {
-            momentum: state.linear,
-            angular_momentum: state.angular,
-            inverse_mass: 1.0 / constants.mass,
-            _unused: 0.0,
-        };
-        self.pose[row] = BodyPose { center: state.position, orientation, _unused: 0.0 };
-        let kick = Kick::new(constants, h);
+        let (momentum, angular_momentum, inverse_mass) = (state.linear, state.angular, T::splat(1.0) / constants.mass);
+        store_rows(BodyMotion { momentum, angular_momentum, inverse_mass, _unused: zero }, &mut self.motion[row..]);
+        store_rows(BodyPose { center: state.position, orientation, _unused: zero }, &mut self.pose[row..]);
+        let kick = Kick::new(constants, T::splat(h.into()));
         let still = State { linear: Vec3::zero(), angular: Vec3::zero(), ..*state };
         let State { linear, angular, .. } = kick.kicked(still, force);
         let (kept_linear, kept_angular) = kick.kept();
-        self.force_impulse[row] = ForceImpulse { linear, angular, kept_linear, kept_angular };
+        store_rows(ForceImpulse { linear, angular, kept_linear, kept_angular }, &mut self.force_impulse[row..]);
     }
 
     /// Marks a body as one that is not [kicked in range](SolverBodies::is_kicked_in_range).
@@ -450,8 +456,9 @@ pub(crate) fn halved(force_impulse: ForceImpulse, halvings: u8) -> ForceImpulse 
 
 /// Square of half the angle that a body with these inverse moments may turn before contacts turn
 /// with it.
-fn turn_tolerance(inverse: Vec3<Real>) -> Real {
+#[inline(always)]
+fn turn_tolerance<T: Tile>(inverse: Vec3<T>) -> T {
     let most = inverse.x.max(inverse.y).max(inverse.z);
     let least = inverse.x.min(inverse.y).min(inverse.z);
-    0.25 * TURN * TURN * (least / most)
+    T::splat((0.25 * TURN * TURN).into()) * (least / most)
 }

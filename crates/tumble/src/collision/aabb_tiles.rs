@@ -1,0 +1,221 @@
+//! Where dynamic boxes and balls about their centres of mass are, a tile at a time.
+
+use tumble_collide::{Aabb, ColliderShape, Isometry, Proxy};
+use tumble_math::lane::{Quat, Vec3};
+
+use crate::collision::collider::Collider;
+use crate::collision::collider_state::{Activity, ColliderState, Motion};
+use crate::collision::narrow_phase::LaneKind;
+use crate::collision::update_aabbs::{AabbUpdate, Intervals, MARGIN_SHARE, MAX_MARGIN, THIN, TURNED};
+use crate::components::Velocity;
+use crate::integrators::clear_range::are_clearly_in_range;
+use crate::integrators::state::{Constants, Moments, State};
+use crate::math::{Real, Vec3 as WorldVec3};
+use crate::simd::{
+    BLOCK, Kernel, Octet, Tile, dispatch_blocks_and_rest, in_whole_blocks, load_rows, octet, store_rows,
+};
+use crate::storage::tile_io::splat;
+use crate::storage::world_columns::{MomentumView, PoseView};
+
+octet! {
+    /// A box or a ball about its body's centre of mass.
+    pub(crate) struct CenteredShape<T> {
+        /// Half the lengths of the box \[m\]; of a ball its radius in each direction.
+        half_extents: Vec3<T>,
+        /// How far it reaches from its centre \[m\].
+        radius: T,
+        half_thickness: T,
+        /// One for a ball, else zero.
+        is_ball: T,
+        /// One for either, zero for any other collider.
+        is_centered: T,
+        _unused: T,
+    }
+}
+
+impl CenteredShape {
+    /// That of a collider, with its body's centre of mass in the body's frame \[m\].
+    pub(crate) fn of(collider: &Option<(Collider, WorldVec3)>) -> Self {
+        let Some((collider, offset)) = collider else { return Self::ZERO };
+        let geometry = collider.geometry();
+        let (half_extents, is_ball) = match geometry {
+            ColliderShape::Cuboid { half_extents } => (*half_extents, 0.0),
+            ColliderShape::Sphere { radius } => (Vec3::splat(*radius), 1.0),
+            _ => return Self::ZERO,
+        };
+        if *offset != WorldVec3::ZERO || collider.place().is_some() {
+            return Self::ZERO;
+        }
+        let (radius, half_thickness) = (geometry.reach().unwrap_or(0.0), geometry.ccd_thickness());
+        Self { half_extents, radius, half_thickness, is_ball, is_centered: 1.0, _unused: 0.0 }
+    }
+}
+
+octet! {
+    /// Linear parts of a body's motion.
+    struct Way<T> {
+        way: Vec3<T>,
+        drop: Vec3<T>,
+        reach: T,
+        margin: T,
+    }
+}
+
+octet! {
+    /// How far a body turns, and half its AABB \[m\].
+    struct Turn<T> {
+        turn: Vec3<T>,
+        half_aabb: Vec3<T>,
+        radius: T,
+        half_thickness: T,
+    }
+}
+
+octet! {
+    /// A unit quaternion.
+    struct Orientation<T> {
+        orientation: Quat<T>,
+        _unused: [T; 4],
+    }
+}
+
+/// Updates neighbouring slots of dynamic bodies, none of which sleeps or is a sensor.
+pub(crate) fn update_in_tiles(
+    update: &mut AabbUpdate<'_>,
+    bodies: PoseView<'_>,
+    dynamic: MomentumView<'_>,
+    intervals: Intervals,
+) {
+    let count = update.states.len();
+    dispatch_blocks_and_rest(&mut AabbTiles { update, bodies, dynamic, intervals }, count);
+}
+
+struct AabbTiles<'k, 'a> {
+    update: &'k mut AabbUpdate<'a>,
+    bodies: PoseView<'k>,
+    dynamic: MomentumView<'k>,
+    intervals: Intervals,
+}
+
+impl Kernel for AabbTiles<'_, '_> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        in_whole_blocks(self.update.states.len())
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let (zero, one) = (T::splat(0.0), T::splat(1.0));
+        let shape = load_rows::<T, _>(&self.update.shapes[i..]);
+        if !T::all(zero.lt(shape.is_centered)) {
+            return self.update_each(i, T::WIDTH);
+        }
+        let Intervals { interval, ahead, drop } = self.intervals;
+        let (bodies, (momenta, masses, inertia)) = (&self.bodies, self.dynamic);
+        let [qx, qy, qz, qw, x, y, z] = T::load(&bodies.pose[i..]);
+        let [px, py, pz, lx, ly, lz] = T::load(&momenta[i..]);
+        let [mass] = T::load(&masses[i..]);
+        let inertia = match inertia {
+            Some(inertia) => {
+                let [a, b, c, inverse_a, inverse_b, inverse_c] = T::load(&inertia[i..]);
+                let axes = match bodies.axes {
+                    Some(axes) => {
+                        let [x, y, z, w] = T::load(&axes[i..]);
+                        Some(Quat { x, y, z, w })
+                    }
+                    None => None,
+                };
+                let inverse_moments = Vec3::new(inverse_a, inverse_b, inverse_c);
+                Some(Moments { moments: Vec3::new(a, b, c), inverse_moments, axes })
+            }
+            None => None,
+        };
+        let constants = Constants { mass, inertia, damping: None };
+        let state = State {
+            position: Vec3::new(x, y, z),
+            orientation: Quat { x: qx, y: qy, z: qz, w: qw },
+            linear: Vec3::new(px, py, pz),
+            angular: Vec3::new(lx, ly, lz),
+        };
+        if !T::all(are_clearly_in_range(&constants, &state, shape.radius)) {
+            return self.update_each(i, T::WIDTH);
+        }
+        let orientation = state.orientation.normalize();
+        let margin = (T::splat(MARGIN_SHARE.into()) * shape.half_thickness).min(T::splat(MAX_MARGIN.into()));
+        let mut turn = Vec3::zero();
+        if let Some(inertia) = constants.inertia {
+            let Vec3 { x, y, z } = inertia.inverse_moments;
+            let ahead = T::splat(ahead.into());
+            let most = x.max(y).max(z) * state.angular.dot(state.angular).sqrt() * ahead;
+            let turns = (T::splat(TURNED.into()) * margin / shape.radius).lt(most);
+            if T::any(turns) {
+                turn = inertia.angular_velocity(orientation, state.angular) * ahead;
+                turn = Vec3::select(turns, turn, Vec3::zero());
+            }
+        }
+        let linear = Vec3::new(px / mass, py / mass, pz / mass);
+        let way = linear * T::splat(ahead.into());
+        let scale = match bodies.gravity_scale {
+            Some(scales) => {
+                let [scale] = T::load(&scales[i..]);
+                scale
+            }
+            None => one,
+        };
+        let fallen = splat::<T>(drop) * scale;
+        let is_thin = shape.half_thickness.lt(T::splat(THIN.into()) * fallen.dot(fallen).sqrt());
+        let drop = Vec3::select(is_thin, fallen, Vec3::zero());
+        let speed = linear.dot(linear).sqrt();
+        let reach = margin + speed * T::splat(interval.into()) + drop.dot(drop).sqrt();
+        let half = shape.half_extents;
+        let [a, b, c] = orientation.axes();
+        let about = |x: T, y: T, z: T| x.abs() * half.x + y.abs() * half.y + z.abs() * half.z;
+        let of_box = Vec3::new(about(a.x, b.x, c.x), about(a.y, b.y, c.y), about(a.z, b.z, c.z));
+        let half_aabb = Vec3::select(zero.lt(shape.is_ball), half, of_box) + Vec3::new(reach, reach, reach);
+
+        let (mut ways, mut turns, mut orientations) =
+            ([Way::ZERO; BLOCK], [Turn::ZERO; BLOCK], [Orientation::ZERO; BLOCK]);
+        store_rows(Way { way, drop, reach, margin }, &mut ways);
+        let (radius, half_thickness) = (shape.radius, shape.half_thickness);
+        store_rows(Turn { turn, half_aabb, radius, half_thickness }, &mut turns);
+        store_rows(Orientation { orientation, _unused: [zero; 4] }, &mut orientations);
+        let mut k = 0;
+        while k < T::WIDTH {
+            self.write(i + k, &ways[k], &turns[k], orientations[k].orientation);
+            k += 1;
+        }
+    }
+}
+
+impl AabbTiles<'_, '_> {
+    /// One body after the other.
+    #[inline(never)]
+    fn update_each(&mut self, first: usize, count: usize) {
+        (first..first + count).for_each(|i| self.update.update(i, self.bodies, self.intervals));
+    }
+
+    fn write(&mut self, i: usize, way: &Way, turn: &Turn, orientation: Quat<Real>) {
+        let update = &mut *self.update;
+        let center = Vec3::from(self.bodies.pose[i].position);
+        let placement = Isometry { position: center, orientation };
+        let velocity = self.bodies.velocity.map_or(Velocity::default(), |velocities| velocities[i]);
+        let is_ball = update.shapes[i].is_ball > 0.0;
+        update.states[i] = ColliderState {
+            placement,
+            center,
+            kind: if is_ball { LaneKind::Sphere } else { LaneKind::Cuboid },
+            is_dynamic: true,
+            is_fixed: false,
+            reach: way.reach,
+            margin: way.margin,
+            half_thickness: turn.half_thickness,
+            velocity: (velocity.linear.into(), velocity.angular.into()),
+            motion: Motion { way: way.way, drop: way.drop, turn: turn.turn, radius: turn.radius },
+        };
+        let Vec3 { x, y, z } = update.shapes[i].half_extents;
+        let extents = if is_ball { Vec3::new(x, 0.0, 0.0) } else { Vec3::new(x, y, z) };
+        update.lanes.set_extents(i, extents, &placement, (Vec3::zero(), way.reach, way.margin));
+        update.activity[i] = Activity::Awake;
+        update.proxies[i] = Proxy { aabb: Some(Aabb::about(center, turn.half_aabb)), moves: true };
+    }
+}

@@ -1,0 +1,96 @@
+//! Promise: where bodies are read for their contacts in tiles, they move as where they are read one
+//! by one.
+//!
+//! Why: boxes and balls about their centres of mass are placed in tiles unless there are sensors,
+//! and constrained bodies are read in tiles unless laws act on them; what is out of range, or has
+//! another shape, sends its whole tile the other way.
+
+use hecs::{Entity, World};
+use tumble::prelude::*;
+use tumble::{BodyState, ForceLaw, GravityScale, Material, Shape, Wrench};
+use tumble_tests::touching::{collider, ground, spawn};
+use tumble_tests::{Draw, cases, quat, real, vec3};
+
+const STREAM: u64 = 0x71_1e5;
+
+/// A law without a force.
+struct Nothing;
+
+impl ForceLaw for Nothing {
+    fn wrench(&self, _: &BodyState<'_>) -> Wrench {
+        Wrench::default()
+    }
+}
+
+/// A heap of bodies of a size \[m\], most of them boxes and balls, of which some are out of range.
+fn heap(draw: &mut Draw) -> (World, Vec<Entity>) {
+    let mut world = World::new();
+    ground(&mut world, Material::new(0.5, 0.3), tumble::math::Quat::IDENTITY);
+    let (size, count) = (draw.log_between(0.01, 100.0), draw.between(1.0, 60.0) as u64);
+    let (others, far, heavy) = (draw.often(0.5), draw.often(0.3), draw.often(0.3));
+    let scaled = draw.often(0.3);
+    let bodies = (0..count).map(|id| {
+        let half = [(); 3].map(|()| size * draw.log_between(0.02, 0.5));
+        let shape = match draw.between(0.0, if others { 4.0 } else { 3.0 }) as u32 {
+            0 | 1 => Shape::cuboid(half),
+            2 => Shape::sphere(half[0]),
+            _ => Shape::capsule(half[0], half[1]),
+        };
+        let away = if far && draw.often(0.1) { 3e9 } else { 0.0 };
+        let at = draw.vector(2.0 * size) + glam::DVec3::new(away, 2.5 * size, 0.0);
+        let kilograms = if heavy && draw.often(0.1) { 1e25 } else { draw.log_between(1e-3, 1e3) };
+        let speed = if draw.often(0.3) { 30.0 * size } else { size };
+        let body = RigidBody::new(shape.clone()).mass(kilograms).position(vec3(at)).id(BodyId(1 + id));
+        let body = body.orientation(quat(draw.orientation())).linear_velocity(vec3(draw.vector(speed)));
+        let entity = spawn(&mut world, body.angular_velocity(vec3(draw.vector(20.0))), collider(&shape));
+        if scaled {
+            world.insert_one(entity, GravityScale(real(draw.between(-0.5, 2.0)))).unwrap();
+        }
+        entity
+    });
+    let bodies = bodies.collect();
+    (world, bodies)
+}
+
+/// The bits of all bodies after each step, with or without a sensor far from all, and a law.
+fn moved(case: u64, sensor: bool, law: bool) -> (Vec<String>, usize) {
+    let draw = &mut Draw::new(STREAM, case);
+    let (mut world, bodies) = heap(draw);
+    if sensor {
+        let shape = Shape::sphere(1.0);
+        let place = vec3(glam::DVec3::NEG_Y * 1e6);
+        spawn(
+            &mut world,
+            RigidBody::new(shape.clone()).fixed().position(place).id(BodyId(999)),
+            collider(&shape).sensor(),
+        );
+    }
+    let rate = draw.between(10.0, 240.0);
+    let mut simulation = Simulation::new(Settings::default().with_dt(real(1.0 / rate))).unwrap();
+    if law {
+        simulation.add_global_law(Nothing);
+    }
+    let mut contacts = 0;
+    let after = (0..40).map(|_| {
+        simulation.step(&mut world);
+        contacts += simulation.contacts().count();
+        let state = |body: &Entity| (*world.get::<&Pose>(*body).unwrap(), *world.get::<&Momentum>(*body).unwrap());
+        format!("{:?}", bodies.iter().map(state).collect::<Vec<_>>())
+    });
+    (after.collect(), contacts)
+}
+
+#[test]
+fn tiles_have_the_bits_of_single_bodies() {
+    let mut touched = 0;
+    for case in 0..u64::from(cases(60)) {
+        let (in_tiles, contacts) = moved(case, false, false);
+        touched += contacts;
+        for (sensor, law) in [(true, false), (false, true)] {
+            let (one_by_one, _) = moved(case, sensor, law);
+            let differs = in_tiles.iter().zip(&one_by_one).position(|(a, b)| a != b);
+            assert_eq!(differs, None, "case {case}, sensor {sensor}, law {law}");
+        }
+    }
+    assert!(touched > 1000, "{touched} contacts");
+}
