@@ -8,7 +8,7 @@ use std::process::Command;
 use tumble::simd_name;
 
 /// How many tests are about bits that no instruction set may change.
-const TESTS: u32 = 8;
+const TESTS: u32 = 9;
 
 /// Runs those whose names begin with `the_bits_` in a process for each instruction set, since a
 /// process chooses once; one of them prints which. What a machine lacks, falls back to what it has.

@@ -16,6 +16,7 @@ mod file_determinism;
 mod helper_determinism;
 mod instruction_sets;
 mod joint_determinism;
+mod ledger_determinism;
 #[path = "../tests/shared/mechanisms/mod.rs"]
 mod mechanisms;
 #[path = "../tests/shared/pile/mod.rs"]

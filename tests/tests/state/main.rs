@@ -2,6 +2,7 @@
 
 mod batch;
 mod body_slices;
+mod books_of_any_body;
 mod debug_draw;
 mod fixed_step;
 mod impossible_bodies;

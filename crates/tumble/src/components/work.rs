@@ -37,6 +37,7 @@ pub(crate) const FORCE_KINDS: [&str; 10] = [
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
+#[repr(C)] // What every step adds to comes first and is next to each other in memory.
 pub struct Work {
     /// By gravity.
     pub gravity: f64,
@@ -44,6 +45,8 @@ pub struct Work {
     pub applied: f64,
     /// By damping; never positive.
     pub damping: f64,
+    /// Energy that the integrator made or lost, rounding included.
+    pub integrator: f64,
     /// By each kind of force component, in the order of
     /// [`ForceLaws::COMPONENTS`](crate::ForceLaws::COMPONENTS).
     pub forces: [f64; FORCE_KINDS.len()],
@@ -63,8 +66,6 @@ pub struct Work {
     pub joints: f64,
     /// By falling asleep, which takes the last momentum; never positive.
     pub sleep: f64,
-    /// Energy that the integrator made or lost, rounding included.
-    pub integrator: f64,
 }
 
 impl Work {
@@ -88,6 +89,9 @@ impl Work {
     pub fn of(&self, component: &str) -> Option<f64> {
         FORCE_KINDS.iter().position(|name| *name == component).map(|index| self.forces[index])
     }
+
+    /// How many entries there are for laws, force components among them.
+    pub(crate) const LAW_ENTRIES: usize = FORCE_KINDS.len() + Self::LAWS;
 
     /// The entry of a law by its index among all: force components first, then those that were
     /// added.

@@ -5,14 +5,14 @@ use hecs::{Entity, EntityRef, World};
 
 use crate::components::Wind;
 use crate::components::{GravityScale, Inertia, Mass, Momentum, Pose, PrincipalAxes};
+use crate::energy::body_terms::MeasuredBodies;
 use crate::forces::force_context::ForceContext;
 use crate::forces::force_law::BodyState;
 use crate::forces::pairwise;
 use crate::forces::registry;
 use crate::forces::registry::KnownLaws;
-use crate::integrators::kinetic_energy::KineticEnergy;
 use crate::integrators::state::{Constants, Moments, State};
-use crate::math::{double, dvec3};
+use crate::math::{Vec3, dvec3};
 use crate::settings::Settings;
 use crate::solver::mechanism::joint_potential::joint_potential;
 use crate::storage::body_order::BodyOrder;
@@ -92,13 +92,13 @@ impl Totals {
             let mut query = world.query::<Measured<'_>>();
             let bodies = query.view();
             let blocks = order.in_blocks(|block| {
-                let mut totals = Self::default();
+                let mut sums = Sums::new(around);
                 for &entity in block {
                     if let Some(measured) = bodies.get(entity) {
-                        totals.add((entity, measured), &around);
+                        sums.add((entity, measured));
                     }
                 }
-                totals
+                sums.totals()
             });
             let mut totals = Self::default();
             blocks.iter().for_each(|block| totals.append(block));
@@ -123,11 +123,11 @@ impl Totals {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn of_body(body: EntityRef<'_>, settings: &Settings) -> Self {
-        let mut totals = Self::default();
+        let mut sums = Sums::new(ForceContext::new(settings));
         if let Ok(measured) = body.query::<Measured<'_>>().get() {
-            totals.add((body.entity(), measured), &ForceContext::new(settings));
+            sums.add((body.entity(), measured));
         }
-        totals
+        sums.totals()
     }
 
     /// Kinetic and potential energy \[J\].
@@ -145,30 +145,6 @@ impl Totals {
         self.potential + self.force_potential
     }
 
-    fn add(&mut self, (entity, (moving, own, laws)): (Entity, Measured<'_>), around: &ForceContext) {
-        let ((pose, momentum, mass), (inertia, axes, scale, wind)) = (moving, own);
-        let state = State::new(pose, momentum);
-        if !state.is_finite() {
-            self.non_finite = self.non_finite.or(Some(entity));
-            return;
-        }
-        let inertia = inertia.map(|inertia| Moments::new(inertia, axes));
-        let constants = Constants { mass: mass.kilograms(), inertia, damping: None };
-        let (position, linear, angular) = (double(state.position), double(state.linear), double(state.angular));
-        let kinetic = KineticEnergy::of(&constants, &state);
-        self.linear_kinetic += kinetic.linear;
-        self.rotational_kinetic += kinetic.rotational;
-        let scale = scale.map_or(1.0, |scale| f64::from(scale.0));
-        self.potential -= f64::from(constants.mass) * scale * dvec3(around.gravity).dot(position);
-        if registry::is_any(&laws) {
-            let context = ForceContext { wind: wind.map_or(around.wind, |wind| wind.0), ..*around };
-            let seen = BodyState::new((0.0, 0.0), (&constants, &context), &state);
-            self.force_potential += registry::potential(&laws, &seen);
-        }
-        self.linear_momentum += linear;
-        self.angular_momentum += position.cross(linear) + angular;
-    }
-
     /// Adds the sums over bodies that come later in order.
     fn append(&mut self, later: &Self) {
         self.linear_kinetic += later.linear_kinetic;
@@ -178,5 +154,41 @@ impl Totals {
         self.linear_momentum += later.linear_momentum;
         self.angular_momentum += later.angular_momentum;
         self.non_finite = self.non_finite.or(later.non_finite);
+    }
+}
+
+/// Sums over bodies, one after the other.
+struct Sums {
+    around: ForceContext,
+    bodies: MeasuredBodies,
+    force_potential: f64,
+    non_finite: Option<Entity>,
+}
+
+impl Sums {
+    fn new(around: ForceContext) -> Self {
+        let bodies = MeasuredBodies::new(dvec3(around.gravity));
+        Self { around, bodies, force_potential: 0.0, non_finite: None }
+    }
+
+    fn add(&mut self, (entity, (moving, own, laws)): (Entity, Measured<'_>)) {
+        let ((pose, momentum, mass), (inertia, axes, scale, wind)) = (moving, own);
+        let state = State::new(pose, momentum);
+        if !state.is_finite() {
+            self.non_finite = self.non_finite.or(Some(entity));
+            return;
+        }
+        if registry::is_any(&laws) {
+            let inertia = inertia.map(|inertia| Moments::new(inertia, axes));
+            let constants = Constants { mass: mass.kilograms(), inertia, damping: None };
+            let context = ForceContext { wind: wind.map_or(Vec3::ZERO, |wind| wind.0), ..self.around };
+            let seen = BodyState::new((0.0, 0.0), (&constants, &context), &state);
+            self.force_potential += registry::potential(&laws, &seen);
+        }
+        self.bodies.push(moving, (inertia, axes), scale);
+    }
+
+    fn totals(self) -> Totals {
+        Totals { force_potential: self.force_potential, non_finite: self.non_finite, ..self.bodies.totals() }
     }
 }

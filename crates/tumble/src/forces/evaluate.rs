@@ -1,18 +1,15 @@
-//! The forces on bodies where force laws act: on a tile of them, and on one with an account of
-//! their work.
+//! The forces on bodies where force laws act: on one of them, and on a tile.
 
-use std::cell::RefCell;
+use std::cell::{RefCell, RefMut};
 
-use tumble_math::lane::Vec3 as LaneVec3;
-
-use crate::components::{Work, Wrench};
+use crate::components::Wrench;
 use crate::forces::force_context::ForceContext;
 use crate::forces::force_law::BodyState;
 use crate::forces::registry::Laws;
 use crate::forces::tile_buffer::TileBuffer;
+use crate::integrators::Forces;
 use crate::integrators::state::{Constants, Force, State};
-use crate::integrators::{Account, Forces, Mean};
-use crate::math::{Real, Vec3, double, dvec3};
+use crate::math::Real;
 use crate::simd::{MAX_BODIES, Tile};
 use crate::storage::chunk::Chunk;
 
@@ -93,6 +90,20 @@ impl<'a, T: Tile> ActingLaws<'a, T> {
             depends_on_velocity: if T::any(mask) { Some(mask) } else { None },
         }
     }
+
+    pub(crate) fn laws(&self) -> Laws<'a> {
+        self.laws
+    }
+
+    /// What laws see of the bodies at a state, `offset` \[s\] after `time` \[s\], the start of a
+    /// substep; no force is on them yet.
+    #[inline(always)]
+    pub(crate) fn seen_by_laws(&self, time: f64, offset: T, state: &State<T>) -> RefMut<'_, &'a mut TileBuffer> {
+        let mut tile = self.tile.borrow_mut();
+        tile.set_stage(time, offset, &self.constants, state);
+        tile.clear_forces::<T>();
+        tile
+    }
 }
 
 /// All that pushes a tile of bodies during a substep.
@@ -114,8 +125,7 @@ impl<T: Tile> Forces<T> for TileLawForces<'_, '_, T> {
 
     #[inline(always)]
     fn varying(&self, offset: T, state: &State<T>) -> Force<T> {
-        let mut tile = self.acting.tile.borrow_mut();
-        tile.set_stage(self.time, offset, &self.acting.constants, state);
+        let mut tile = self.acting.seen_by_laws(self.time, offset, state);
         for (_, law) in self.acting.laws {
             law.add_forces(&mut tile);
         }
@@ -125,44 +135,5 @@ impl<T: Tile> Forces<T> for TileLawForces<'_, '_, T> {
     #[inline(always)]
     fn depends_on_velocity(&self) -> Option<T::Mask> {
         self.acting.depends_on_velocity
-    }
-}
-
-/// Adds up the work done on one body.
-pub(crate) struct WorkAccount<'a> {
-    pub(crate) work: &'a mut Work,
-    pub(crate) forces: &'a LawForces<'a>,
-    /// The part of the constant force that is gravity \[N\].
-    pub(crate) gravity: Vec3,
-}
-
-impl Account<Real> for WorkAccount<'_> {
-    const KEPT: bool = true;
-
-    fn constant_impulse(&mut self, weight: (Real, Real), mean: &Mean<Real>) {
-        let linear = double(mean.linear) * f64::from(weight.0);
-        let angular = double(mean.angular) * f64::from(weight.1);
-        let gravity = dvec3(self.gravity);
-        let wrench = self.forces.wrench;
-        self.work.gravity += gravity.dot(linear);
-        self.work.applied += (dvec3(wrench.force) - gravity).dot(linear) + dvec3(wrench.torque).dot(angular);
-    }
-
-    fn varying_impulse(&mut self, offset: Real, at: &State<Real>, weight: (Real, Real), mean: &Mean<Real>) {
-        if self.forces.laws.is_empty() {
-            return;
-        }
-        let linear = double(mean.linear) * f64::from(weight.0);
-        let angular = double(mean.angular) * f64::from(weight.1);
-        let body_state = self.forces.seen_by_laws(offset, at);
-        for (index, law) in self.forces.laws {
-            let wrench = law.wrench(self.forces.row, &body_state);
-            let work = dvec3(wrench.force).dot(linear) + dvec3(wrench.torque).dot(angular);
-            *self.work.of_law_mut(index) += work;
-        }
-    }
-
-    fn damping(&mut self, linear: LaneVec3<Real>, angular: LaneVec3<Real>, mean: &Mean<Real>) {
-        self.work.damping += double(linear).dot(double(mean.linear)) + double(angular).dot(double(mean.angular));
     }
 }

@@ -12,6 +12,7 @@ pub(crate) mod spring_potential;
 pub(crate) mod stable_spring;
 pub(crate) mod tile_buffer;
 pub(crate) mod under_laws;
+pub(crate) mod work_account;
 
 pub use crate::forces::body_forces::BodyForces;
 pub use crate::forces::components::{

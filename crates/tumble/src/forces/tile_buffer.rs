@@ -89,7 +89,7 @@ impl TileBuffer {
     }
 
     /// Copies a state that the bodies reach `offset` \[s\] after `time` \[s\], the start of a
-    /// substep, and forgets the forces.
+    /// substep.
     #[inline(always)]
     pub(crate) fn set_stage<T: Tile>(&mut self, time: f64, offset: T, constants: &Constants<T>, state: &State<T>) {
         let q = state.orientation.normalize();
@@ -97,6 +97,11 @@ impl TileBuffer {
         let w = constants.angular_velocity(&State { orientation: q, ..*state });
         self.time = time;
         store(&mut self.stage, [offset, x.x, x.y, x.z, q.x, q.y, q.z, q.w, v.x, v.y, v.z, w.x, w.y, w.z]);
+    }
+
+    /// Forgets the laws' forces and torques.
+    #[inline(always)]
+    pub(crate) fn clear_forces<T: Tile>(&mut self) {
         store(&mut self.forces, [T::splat(0.0); 6]);
     }
 

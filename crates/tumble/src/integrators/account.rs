@@ -13,6 +13,9 @@ pub(crate) trait Account<L> {
     /// Whether anything is kept; `false` lets a scheme leave out what only an account needs.
     const KEPT: bool;
 
+    /// A substep begins at this simulated time \[s\].
+    fn begin_substep(&mut self, time: f64);
+
     /// The constant forces have added their `weight` \[s\] to the linear and the angular momentum.
     fn constant_impulse(&mut self, weight: (L, L), mean: &Mean<L>);
 
@@ -36,6 +39,9 @@ pub(crate) struct NoAccount;
 
 impl<L> Account<L> for NoAccount {
     const KEPT: bool = false;
+
+    #[inline(always)]
+    fn begin_substep(&mut self, _: f64) {}
 
     #[inline(always)]
     fn constant_impulse(&mut self, _: (L, L), _: &Mean<L>) {}

@@ -125,10 +125,15 @@ impl<L: Lane> Kick<L> {
         end: &State<L>,
         account: &mut impl Account<L>,
     ) -> Mean<L> {
-        let damped = self.kicked(*start, Force { force: Vec3::zero(), torque: Vec3::zero() });
-        let lost = (self.linear.damped(start.linear), self.angular.damped(start.angular));
-        account.damping(lost.0, lost.1, &self.constants.mean(start, &damped));
-        let mean = self.constants.mean(&damped, end);
+        let mean = match self.constants.damping {
+            Some(_) => {
+                let damped = self.kicked(*start, Force { force: Vec3::zero(), torque: Vec3::zero() });
+                let lost = (self.linear.damped(start.linear), self.angular.damped(start.angular));
+                account.damping(lost.0, lost.1, &self.constants.mean(start, &damped));
+                self.constants.mean(&damped, end)
+            }
+            None => self.constants.mean(start, end),
+        };
         account.constant_impulse((self.linear.weight, self.angular.weight), &mean);
         mean
     }

@@ -4,7 +4,7 @@ use hecs::EntityRef;
 use tumble_math::lane::{Lane, Quat, Vec3};
 
 use crate::components::{Inertia, Mass, Momentum, Pose, PrincipalAxes, Wrench};
-use crate::math::{Real, double, double_quat};
+use crate::math::Real;
 
 /// Mass, inertia and damping of a body: constant during a step.
 #[derive(Clone, Copy)]
@@ -148,8 +148,10 @@ impl From<Wrench> for Force<Real> {
 impl State<Real> {
     /// Whether every number of it is finite.
     pub(crate) fn is_finite(&self) -> bool {
-        let vectors = [self.position, self.linear, self.angular].map(double);
-        vectors.iter().all(|vector| vector.is_finite()) && double_quat(self.orientation).is_finite()
+        // Nothing times what is not finite is no number.
+        let (zero, q) = (0.0, self.orientation);
+        let nothing = self.position * zero + self.linear * zero + self.angular * zero;
+        nothing.x + nothing.y + nothing.z + (q.x * zero + q.y * zero) + (q.z * zero + q.w * zero) == zero
     }
 
     #[inline(always)]

@@ -10,11 +10,15 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use tumble_math::lane::Lane;
 
 use super::four::FourKernel;
+#[cfg(not(feature = "f64"))]
+use super::four::FourLane;
+#[cfg(not(feature = "f64"))]
+use super::intrinsics::widen_to_four;
 use super::intrinsics::{lane, tile};
 use super::pair::Pair;
 use super::record::{numbers, set_numbers};
 use super::row_blocks::{Block, blocks};
-use super::{BLOCK, Eight, Kernel, Record, Tile, one_by_one, row_blocks, tiles};
+use super::{BLOCK, Eight, Kernel, Record, Tile, Widen, one_by_one, row_blocks, tiles};
 use crate::math::Real;
 
 #[cfg(feature = "f64")]
@@ -27,14 +31,14 @@ pub(super) const BASELINE_WIDTHS: [usize; 2] = [Neon::WIDTH, Real::WIDTH];
 
 /// Runs a kernel on pairs of NEON tiles, for which there are 32 registers.
 pub(super) fn with_baseline(kernel: &mut impl Kernel) {
-    let left = tiles::<Pair<Neon>>(kernel, 0);
-    let left = tiles::<Neon>(kernel, left);
+    let left = tiles::<Pair<Neon>, _>(kernel, 0);
+    let left = tiles::<Neon, _>(kernel, left);
     one_by_one(kernel, left);
 }
 
 /// Runs a kernel of whole blocks on NEON tiles.
 pub(super) fn blocks_with_baseline(kernel: &mut impl Kernel) {
-    tiles::<Neon>(kernel, 0);
+    tiles::<Neon, _>(kernel, 0);
 }
 
 /// Runs a kernel of fours on two vectors.
@@ -75,6 +79,9 @@ lane! {
     all: |m| vminvq_u32(m) != 0,
     exp2: |e| vreinterpretq_f32_s32(vshlq_n_s32::<23>(vaddq_s32(vcvtq_s32_f32(e), vdupq_n_s32(127)))),
 }
+
+#[cfg(not(feature = "f64"))]
+widen_to_four!(Single, Pair<Double>);
 
 #[cfg(not(feature = "f64"))]
 tile! {

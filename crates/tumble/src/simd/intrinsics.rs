@@ -146,6 +146,21 @@ macro_rules! tile {
         is_zero: |$v:ident| $is_zero:expr,
         rows: $rows:ident,
     ) => {
+        #[cfg(feature = "f64")]
+        impl Widen for $Tile {
+            type Double = Self;
+
+            #[inline(always)]
+            fn widen(self) -> Self {
+                self
+            }
+
+            #[inline(always)]
+            fn store_doubles(doubles: Self, row: &mut [f64]) {
+                <Self as Tile>::store([doubles], row);
+            }
+        }
+
         impl Tile for $Tile {
             const WIDTH: usize = $width;
 
@@ -254,4 +269,29 @@ macro_rules! tile {
     };
 }
 
+/// Gives a tile of four numbers of single precision the fours of double precision.
+#[cfg(not(feature = "f64"))]
+macro_rules! widen_to_four {
+    ($Tile:ident, $Four:ty) => {
+        impl Widen for $Tile {
+            type Double = $Four;
+
+            #[inline(always)]
+            fn widen(self) -> $Four {
+                let [a, b, c, d] = self.to_array();
+                <$Four>::load(&[a.into(), b.into(), c.into(), d.into()])
+            }
+
+            #[inline(always)]
+            fn store_doubles(doubles: $Four, row: &mut [f64]) {
+                let mut numbers = [0.0; 4];
+                doubles.store(&mut numbers);
+                row[..4].copy_from_slice(&numbers);
+            }
+        }
+    };
+}
+
+#[cfg(not(feature = "f64"))]
+pub(super) use widen_to_four;
 pub(super) use {lane, tile};

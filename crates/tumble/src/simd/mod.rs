@@ -28,6 +28,7 @@ mod row_blocks;
 mod rows;
 #[cfg(test)]
 mod tests;
+mod widen;
 
 #[cfg(all(vector_code, target_arch = "aarch64"))]
 mod aarch64;
@@ -49,6 +50,7 @@ pub(crate) use record::{
     NumberField, Octet, Record, gather_rows, is_as_eight, load_rows, octet, scatter_rows, select_rows, store_rows,
 };
 pub(crate) use rows::{RowColors, Rows, gather};
+pub(crate) use widen::{Widen, widen_quat, widen_vec};
 
 /// The most bodies of a tile for which a chunk may have to be filled up.
 pub(crate) const WIDEST: usize = 16;
@@ -57,9 +59,12 @@ pub(crate) const WIDEST: usize = 16;
 pub(crate) const MAX_BODIES: usize = 2 * WIDEST;
 
 /// A lane whose bodies are loaded from and stored to columns.
-pub(crate) trait Tile: Lane {
+pub(crate) trait Tile: Lane + Widen {
     /// How many bodies.
     const WIDTH: usize;
+
+    /// Whether it is two tiles side by side.
+    const IS_PAIR: bool = false;
 
     /// The first `N` numbers of each of the first rows, as many as there are bodies.
     fn load<R: Record, const N: usize>(rows: &[R]) -> [Self; N];
@@ -124,6 +129,9 @@ impl Tile for Real {
 
 /// A computation over tiles of any width.
 pub(crate) trait Kernel {
+    /// Whether tiles go in pairs, which what needs many registers is no faster for.
+    const IN_PAIRS: bool = true;
+
     /// How many bodies there are.
     fn len(&self) -> usize;
 
@@ -133,9 +141,13 @@ pub(crate) trait Kernel {
     fn tile<T: Tile>(&mut self, i: usize);
 }
 
-/// Runs a kernel on whole tiles from row `i` on, and returns the first row that is left.
+/// Runs a kernel on whole tiles from row `i` on, and returns the first row that is left: all of
+/// them, if they are pairs and the kernel takes none.
 #[inline(always)]
-fn tiles<T: Tile>(kernel: &mut impl Kernel, mut i: usize) -> usize {
+fn tiles<T: Tile, K: Kernel>(kernel: &mut K, mut i: usize) -> usize {
+    if T::IS_PAIR && !K::IN_PAIRS {
+        return i;
+    }
     while i + T::WIDTH <= kernel.len() {
         kernel.tile::<T>(i);
         i += T::WIDTH;
@@ -146,7 +158,7 @@ fn tiles<T: Tile>(kernel: &mut impl Kernel, mut i: usize) -> usize {
 /// Runs a kernel on one body at a time from row `first` on.
 fn one_by_one(kernel: &mut impl Kernel, first: usize) {
     if first < kernel.len() {
-        tiles::<Real>(kernel, first);
+        tiles::<Real, _>(kernel, first);
     }
 }
 

@@ -8,12 +8,12 @@ use tumble_math::lane::Lane;
 use super::four::{Four, FourLane};
 #[cfg(not(avx_code))]
 use super::target::Double;
-use super::{Record, Tile};
+use super::{Record, Tile, Widen};
 
 /// Two tiles side by side: while an operation of one waits for its operands, the machine works on
 /// the other's.
 #[derive(Clone, Copy)]
-pub(super) struct Pair<T>(T, T);
+pub(super) struct Pair<T>(pub(super) T, pub(super) T);
 
 macro_rules! both {
     ($($Operator:ident: $method:ident),+) => {
@@ -96,8 +96,24 @@ impl<T: Lane> Lane for Pair<T> {
     }
 }
 
+impl<T: Tile> Widen for Pair<T> {
+    type Double = Pair<T::Double>;
+
+    #[inline(always)]
+    fn widen(self) -> Self::Double {
+        Pair(self.0.widen(), self.1.widen())
+    }
+
+    #[inline(always)]
+    fn store_doubles(doubles: Self::Double, row: &mut [f64]) {
+        T::store_doubles(doubles.0, row);
+        T::store_doubles(doubles.1, &mut row[T::WIDTH..]);
+    }
+}
+
 impl<T: Tile> Tile for Pair<T> {
     const WIDTH: usize = 2 * T::WIDTH;
+    const IS_PAIR: bool = true;
 
     #[inline(always)]
     fn load<R: Record, const N: usize>(rows: &[R]) -> [Self; N] {

@@ -131,6 +131,37 @@ fn operations_are_those_of_one_number() {
     }
 }
 
+/// Products in double precision, and one in its place for each.
+struct Widening {
+    factors: [Vec<Real>; 2],
+    products: Vec<f64>,
+}
+
+impl Kernel for Widening {
+    fn len(&self) -> usize {
+        self.products.len()
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        let ([a], [b]) = (T::load(&self.factors[0][i..]), T::load(&self.factors[1][i..]));
+        T::store_doubles(a.widen() * b.widen(), &mut self.products[i..]);
+    }
+}
+
+#[test]
+fn products_in_double_precision_are_those_of_one_number() {
+    for level in available() {
+        let factors = [0, 1].map(|k| (0..BODIES).map(|i| operands::<Real>(i)[k]).collect());
+        let mut widening = Widening { factors, products: vec![7.0; BODIES] };
+        level.run(&mut widening);
+        for (i, product) in widening.products.into_iter().enumerate() {
+            let [a, b] = [0, 1].map(|k| f64::from(widening.factors[k][i]));
+            assert!(is_same(product, a * b), "{level:?}, {i}: {a} times {b} is not {product}");
+        }
+    }
+}
+
 struct Fours<'a> {
     results: &'a mut [[Four; RESULTS]],
 }

@@ -12,11 +12,15 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use tumble_math::lane::Lane;
 
 use super::four::FourKernel;
+#[cfg(not(feature = "f64"))]
+use super::four::FourLane;
+#[cfg(not(feature = "f64"))]
+use super::intrinsics::widen_to_four;
 use super::intrinsics::{lane, tile};
 use super::pair::Pair;
 use super::record::{numbers, set_numbers};
 use super::row_blocks::{Block, blocks};
-use super::{BLOCK, Eight, Kernel, Record, Tile, one_by_one, row_blocks, tiles};
+use super::{BLOCK, Eight, Kernel, Record, Tile, Widen, one_by_one, row_blocks, tiles};
 use crate::math::Real;
 
 #[cfg(feature = "f64")]
@@ -29,13 +33,13 @@ pub(super) const BASELINE_WIDTHS: [usize; 2] = [Simd128::WIDTH, Real::WIDTH];
 
 /// Runs a kernel on tiles of one vector; most machines below have 16 registers for them.
 pub(super) fn with_baseline(kernel: &mut impl Kernel) {
-    let left = tiles::<Simd128>(kernel, 0);
+    let left = tiles::<Simd128, _>(kernel, 0);
     one_by_one(kernel, left);
 }
 
 /// Runs a kernel of whole blocks on tiles of one vector.
 pub(super) fn blocks_with_baseline(kernel: &mut impl Kernel) {
-    tiles::<Simd128>(kernel, 0);
+    tiles::<Simd128, _>(kernel, 0);
 }
 
 /// Runs a kernel of fours on two vectors.
@@ -73,6 +77,9 @@ lane! {
     all: |m| i32x4_all_true(m),
     exp2: |e| i32x4_shl(i32x4_add(i32x4_trunc_sat_f32x4(e), i32x4_splat(127)), 23),
 }
+
+#[cfg(not(feature = "f64"))]
+widen_to_four!(Single, Pair<Double>);
 
 #[cfg(not(feature = "f64"))]
 tile! {

@@ -13,10 +13,13 @@ use crate::forces::evaluate::{ActingLaws, TileLawForces};
 use crate::forces::force_context::ForceContext;
 use crate::forces::registry::Laws;
 use crate::forces::tile_buffer::TileBuffer;
+use crate::forces::work_account::{WorkAccount, WorkRows};
 use crate::integrator::Integrator;
 use crate::integrators::derived::derived;
 use crate::integrators::state::{Force, State};
-use crate::integrators::{AnyWidth, ConstantForce, MoserVeselov, NoAccount, RungeKutta4, Scheme, SemiImplicitEuler};
+use crate::integrators::{
+    Account, AnyWidth, ConstantForce, MoserVeselov, NoAccount, RungeKutta4, Scheme, SemiImplicitEuler,
+};
 use crate::settings::Settings;
 use crate::simd::{Kernel, Tile, dispatch};
 use crate::storage::chunk::Chunk;
@@ -79,17 +82,31 @@ fn advance_with<S: AnyWidth>(
             Some(bodies) if extent.is_usual(settings) => {
                 dispatch(&mut AdvancePlain { bodies, settings, scheme: PhantomData::<S> });
             }
-            _ => {
-                let acting = Lawless;
-                dispatch(&mut Advance { bodies, settings, extent, time_of_step, acting, scheme: PhantomData::<S> });
-            }
+            _ => advance_tiles::<S, _>(bodies, settings, extent, time_of_step, Lawless),
         });
     } else {
         let mut tile = TileBuffer::new(ForceContext::new(settings));
         bodies.in_whole_tiles(|bodies| {
             let acting = UnderLaws { laws, tile: &mut tile };
-            dispatch(&mut Advance { bodies, settings, extent, time_of_step, acting, scheme: PhantomData::<S> });
+            advance_tiles::<S, _>(bodies, settings, extent, time_of_step, acting);
         });
+    }
+}
+
+/// With an account of work, where the bodies have one.
+fn advance_tiles<S: AnyWidth, A: Acting>(
+    bodies: &mut Chunk<'_>,
+    settings: &Settings,
+    extent: Extent,
+    time_of_step: &dyn Fn(u32) -> f64,
+    acting: A,
+) {
+    let scheme = PhantomData::<S>;
+    if bodies.work.is_some() {
+        let books = Booked(WorkRows::new());
+        dispatch(&mut Advance { bodies, settings, extent, time_of_step, acting, books, scheme });
+    } else {
+        dispatch(&mut Advance { bodies, settings, extent, time_of_step, acting, books: Unbooked, scheme });
     }
 }
 
@@ -128,17 +145,50 @@ impl Acting for UnderLaws<'_> {
     }
 }
 
-/// Advances bodies, a tile at a time.
-struct Advance<'k, 'a, S, A> {
+/// Whether the work on the bodies of a kernel is booked.
+trait Books {
+    const ARE_KEPT: bool;
+
+    /// Where works lie on their way to the bodies.
+    fn rows(&mut self) -> Option<&mut WorkRows>;
+}
+
+struct Unbooked;
+
+impl Books for Unbooked {
+    const ARE_KEPT: bool = false;
+
+    #[inline(always)]
+    fn rows(&mut self) -> Option<&mut WorkRows> {
+        None
+    }
+}
+
+struct Booked(WorkRows);
+
+impl Books for Booked {
+    const ARE_KEPT: bool = true;
+
+    #[inline(always)]
+    fn rows(&mut self) -> Option<&mut WorkRows> {
+        Some(&mut self.0)
+    }
+}
+
+/// Advances bodies, a tile at a time, and books the work on them or not.
+struct Advance<'k, 'a, S, A, B> {
     bodies: &'k mut Chunk<'a>,
     settings: &'k Settings,
     extent: Extent,
     time_of_step: &'k dyn Fn(u32) -> f64,
     acting: A,
+    books: B,
     scheme: PhantomData<S>,
 }
 
-impl<S: AnyWidth, A: Acting> Kernel for Advance<'_, '_, S, A> {
+impl<S: AnyWidth, A: Acting, B: Books> Kernel for Advance<'_, '_, S, A, B> {
+    const IN_PAIRS: bool = !B::ARE_KEPT;
+
     #[inline(always)]
     fn len(&self) -> usize {
         self.bodies.len()
@@ -155,12 +205,12 @@ impl<S: AnyWidth, A: Acting> Kernel for Advance<'_, '_, S, A> {
         };
         let mut force = bodies.force::<T>(i, self.extent.wrenches());
         let mut state = bodies.state::<T>(i);
-        let (steps, gravity) = match self.extent {
-            Extent::Integration(_) => (1, LaneVec3::zero()),
+        let gravity = bodies.gravity::<T>(i, constants.mass, splat(settings.gravity));
+        let steps = match self.extent {
+            Extent::Integration(_) => 1,
             Extent::Steps(steps) => {
-                let gravity = bodies.gravity::<T>(i, constants.mass, splat(settings.gravity));
                 force.force = force.force + gravity;
-                (steps, gravity)
+                steps
             }
         };
         for step in 0..steps {
@@ -168,7 +218,17 @@ impl<S: AnyWidth, A: Acting> Kernel for Advance<'_, '_, S, A> {
                 bodies.set_previous_pose(i, &state);
             }
             let time = if A::LAWS { (self.time_of_step)(step) } else { 0.0 };
-            state = substeps(&scheme, state, force, &acting, settings, time);
+            let forces = (force, &acting, time);
+            state = match self.books.rows() {
+                Some(rows) => {
+                    let mut account = WorkAccount::open((&constants, &state), (force, gravity), acting.as_ref());
+                    let end = substeps(&scheme, state, forces, settings, &mut account);
+                    let works = bodies.work.as_deref_mut().unwrap_or_default();
+                    account.close(&constants, &end, &mut works[i..], rows);
+                    end
+                }
+                None => substeps(&scheme, state, forces, settings, &mut NoAccount),
+            };
             // The wrench is consumed, and gravity added to nothing, as a step of its own does it.
             force = Force { force: LaneVec3::zero() + gravity, torque: LaneVec3::zero() };
         }
@@ -183,18 +243,18 @@ impl<S: AnyWidth, A: Acting> Kernel for Advance<'_, '_, S, A> {
 fn substeps<T: Tile, S: Scheme<T>>(
     scheme: &S,
     mut state: State<T>,
-    force: Force<T>,
-    acting: &Option<ActingLaws<'_, T>>,
+    (force, acting, time): (Force<T>, &Option<ActingLaws<'_, T>>, f64),
     settings: &Settings,
-    time: f64,
+    account: &mut impl Account<T>,
 ) -> State<T> {
     for substep in 0..settings.substeps {
         state = match acting {
             Some(acting) => {
                 let time = time + f64::from(substep) * f64::from(settings.substep());
-                scheme.advance(state, &TileLawForces { acting, constant: force, time }, &mut NoAccount)
+                account.begin_substep(time);
+                scheme.advance(state, &TileLawForces { acting, constant: force, time }, account)
             }
-            None => scheme.advance(state, &ConstantForce(force), &mut NoAccount),
+            None => scheme.advance(state, &ConstantForce(force), account),
         };
     }
     state
@@ -243,6 +303,14 @@ impl<S: AnyWidth> AdvancePlain<'_, S> {
         let mut bodies = self.bodies.as_chunk();
         let bodies = &mut bodies.rows(first..first + count);
         let (settings, extent, acting) = (self.settings, Extent::Steps(1), Lawless);
-        dispatch(&mut Advance { bodies, settings, extent, time_of_step: &|_| 0.0, acting, scheme: self.scheme });
+        dispatch(&mut Advance {
+            bodies,
+            settings,
+            extent,
+            time_of_step: &|_| 0.0,
+            acting,
+            books: Unbooked,
+            scheme: self.scheme,
+        });
     }
 }

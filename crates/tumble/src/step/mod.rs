@@ -102,7 +102,7 @@ fn steps_here(
             interactions.pass(world, steps);
         }
         for_each_chunk_under(world, laws, |bodies, laws| {
-            if bodies.work.is_none() && times.is_none() {
+            if times.is_none() {
                 return step_chunk(bodies, laws, settings, steps, &|step| clock.time_after(step));
             }
             for step in 0..steps {

@@ -4,16 +4,11 @@ use hecs::World;
 
 use crate::clock::Clock;
 use crate::components::Wrenches;
-use crate::components::{PreviousPose, Work, Wrench};
-use crate::forces::evaluate::{LawForces, WorkAccount};
-use crate::forces::force_context::ForceContext;
+use crate::components::{PreviousPose, Wrench};
 use crate::forces::registry::{ForceLaws, Laws};
 use crate::forces::under_laws::for_each_chunk_under;
-use crate::integrator::Integrator;
 use crate::integrators::derived::derived;
 use crate::integrators::kinematic;
-use crate::integrators::kinetic_energy::KineticEnergy;
-use crate::integrators::{MoserVeselov, RungeKutta4, Scheme, SemiImplicitEuler};
 use crate::math::{Real, Vec3};
 use crate::settings::Settings;
 use crate::simd::{Kernel, Tile, dispatch};
@@ -191,9 +186,9 @@ impl Chunk<'_> {
     }
 }
 
-/// All systems of some steps, of bodies that nothing couples and whose work no one books: the
-/// bodies stay in registers from the first system of the first step to the last of the last.
-/// `time_of_step` is the simulated time \[s\] at the start of each.
+/// All systems of some steps, of bodies that nothing couples: the bodies stay in registers from
+/// the first system of the first step to the last of the last. `time_of_step` is the simulated
+/// time \[s\] at the start of each.
 pub(crate) fn step_chunk(
     bodies: &mut Chunk<'_>,
     laws: Laws<'_>,
@@ -214,19 +209,7 @@ pub(crate) fn integrate_bodies(
     wrenches: Wrenches,
 ) {
     crate::scope::scope!("tumble::integrate");
-    if bodies.work.is_none() {
-        return advance(bodies, laws, settings, Extent::Integration(wrenches), &|_| time);
-    }
-    match settings.integrator {
-        Integrator::SemiImplicitEuler => {
-            integrate_with_account::<SemiImplicitEuler<Real>>(bodies, laws, settings, time);
-        }
-        Integrator::RungeKutta4 => integrate_with_account::<RungeKutta4<Real>>(bodies, laws, settings, time),
-        Integrator::MoserVeselov => integrate_with_account::<MoserVeselov<Real>>(bodies, laws, settings, time),
-    }
-    if wrenches == Wrenches::Consumed {
-        bodies.wrench.fill(Wrench::default());
-    }
+    advance(bodies, laws, settings, Extent::Integration(wrenches), &|_| time);
 }
 
 /// [`integrate_bodies`] for those of a chunk that no constraint acts on, with the wrenches of all;
@@ -249,33 +232,6 @@ pub(crate) fn integrate_unconstrained(
         // What is added to a sleeping body, after it could wake it, waits for the next step.
         let awake = bodies.wrench.iter_mut().zip(slots).filter(|(_, slot)| !constrained.sleepers.has(**slot));
         awake.for_each(|(wrench, _)| *wrench = Wrench::default());
-    }
-}
-
-fn integrate_with_account<S: Scheme<Real>>(bodies: &mut Chunk<'_>, laws: Laws<'_>, settings: &Settings, time: f64) {
-    let h = settings.substep();
-    for i in 0..bodies.len() {
-        let constants = bodies.constants::<Real>(i);
-        let scheme = S::new(&constants, h);
-        let gravity = bodies.gravity_on(i, settings.gravity);
-        let wind = bodies.wind.map_or(Vec3::ZERO, |wind| wind[i].0);
-        let context = ForceContext { wind, ..ForceContext::new(settings) };
-        let (start, row) = (bodies.state::<Real>(i), bodies.first_row + i);
-        let mut work = Work::default();
-        let mut state = start;
-        for substep in 0..settings.substeps {
-            let time = time + f64::from(substep) * f64::from(h);
-            let wrench = bodies.wrench[i];
-            let forces = LawForces { constants: &constants, context: &context, wrench, laws, row, time };
-            let mut account = WorkAccount { work: &mut work, forces: &forces, gravity };
-            state = scheme.advance(state, &forces, &mut account);
-        }
-        bodies.set_state(i, &state);
-        if let Some(column) = bodies.work.as_deref_mut() {
-            let change = KineticEnergy::of(&constants, &state).sum() - KineticEnergy::of(&constants, &start).sum();
-            work.integrator = change - work.total();
-            column[i] += work;
-        }
     }
 }
 

@@ -33,20 +33,7 @@ tile! {
     rows: row_blocks,
 }
 
-lane! {
-    Avx512, f64, __m512d, __mmask8, 8,
-    _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd,
-    _mm512_sqrt_pd, _mm512_min_pd, _mm512_max_pd;
-    neg: |n| _mm512_castsi512_pd(_mm512_xor_si512(_mm512_castpd_si512(n), _mm512_set1_epi64(i64::MIN))),
-    lt: |a, b| _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b),
-    select: |mask, t, f| _mm512_mask_blend_pd(mask, f, t),
-    any: |m| _mm512_mask2int(m.into()) != 0,
-    all: |m| _mm512_mask2int(m.into()) == 0xff,
-    exp2: |e| _mm512_castsi512_pd(_mm512_slli_epi64::<52>(_mm512_add_epi64(
-        _mm512_cvtepi32_epi64(_mm512_cvttpd_epi32(e)),
-        _mm512_set1_epi64(1023),
-    ))),
-}
+pub(super) use super::Avx512Eight as Avx512;
 
 tile! {
     Avx512, __m512d, 8, _mm512_loadu_pd, _mm512_storeu_pd,

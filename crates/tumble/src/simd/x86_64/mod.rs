@@ -12,10 +12,12 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 use tumble_math::lane::Lane;
 
 use super::four::{Four, FourKernel, FourLane, PortableFour};
+#[cfg(not(feature = "f64"))]
+use super::intrinsics::widen_to_four;
 use super::intrinsics::{lane, tile};
 use super::pair::Pair;
 use super::record::{numbers, set_numbers};
-use super::{BLOCK, Eight, Kernel, Record, Tile, one_by_one, row_blocks, tiles};
+use super::{BLOCK, Eight, Kernel, Record, Tile, Widen, one_by_one, row_blocks, tiles};
 use crate::math::Real;
 
 mod blocks;
@@ -42,8 +44,8 @@ pub(super) fn with_avx512(kernel: &mut impl Kernel) {
     #[target_feature(enable = "avx512f")]
     fn enabled(kernel: &mut impl Kernel) -> usize {
         align_the_stack();
-        let left = tiles::<Pair<Avx512>>(kernel, 0);
-        tiles::<Avx512>(kernel, left)
+        let left = tiles::<Pair<Avx512>, _>(kernel, 0);
+        tiles::<Avx512, _>(kernel, left)
     }
     let mut left = 0;
     if kernel.len() >= Avx512::WIDTH && std::arch::is_x86_feature_detected!("avx512f") {
@@ -59,8 +61,8 @@ fn avx2_from(kernel: &mut impl Kernel, first: usize) {
     #[target_feature(enable = "avx2")]
     fn enabled(kernel: &mut impl Kernel, first: usize) -> usize {
         align_the_stack();
-        let left = tiles::<Pair<Avx2>>(kernel, first);
-        tiles::<Avx2>(kernel, left)
+        let left = tiles::<Pair<Avx2>, _>(kernel, first);
+        tiles::<Avx2, _>(kernel, left)
     }
     let mut left = first;
     if kernel.len() >= first + Avx2::WIDTH && std::arch::is_x86_feature_detected!("avx2") {
@@ -73,7 +75,7 @@ fn avx2_from(kernel: &mut impl Kernel, first: usize) {
 fn sse2_from(kernel: &mut impl Kernel, first: usize) {
     let mut left = first;
     if kernel.len() >= first + Sse2::WIDTH {
-        left = tiles::<Sse2>(kernel, first);
+        left = tiles::<Sse2, _>(kernel, first);
     }
     one_by_one(kernel, left);
 }
@@ -89,7 +91,7 @@ pub(super) fn blocks_with_avx2(kernel: &mut impl Kernel) {
     #[target_feature(enable = "avx2")]
     fn enabled(kernel: &mut impl Kernel) {
         align_the_stack();
-        tiles::<Avx2>(kernel, 0);
+        tiles::<Avx2, _>(kernel, 0);
     }
     if std::arch::is_x86_feature_detected!("avx2") {
         // SAFETY: the machine has AVX2.
@@ -106,7 +108,7 @@ pub(super) fn blocks_with_avx512(kernel: &mut impl Kernel) {
     #[target_feature(enable = "avx512f")]
     fn enabled(kernel: &mut impl Kernel) {
         align_the_stack();
-        tiles::<Avx512>(kernel, 0);
+        tiles::<Avx512, _>(kernel, 0);
     }
     #[cfg(feature = "f64")]
     if std::arch::is_x86_feature_detected!("avx512f") {
@@ -157,6 +159,43 @@ impl FourLane for Avx2Four {
         // SAFETY: see the module.
         let [a, b, c, d] = unsafe { blocks::transpose_256d([a.0, b.0, c.0, d.0]) };
         [Self(a), Self(b), Self(c), Self(d)]
+    }
+}
+
+lane! {
+    Avx512Eight, f64, __m512d, __mmask8, 8,
+    _mm512_set1_pd, _mm512_loadu_pd, _mm512_storeu_pd, _mm512_add_pd, _mm512_sub_pd, _mm512_mul_pd, _mm512_div_pd,
+    _mm512_sqrt_pd, _mm512_min_pd, _mm512_max_pd;
+    neg: |n| _mm512_castsi512_pd(_mm512_xor_si512(_mm512_castpd_si512(n), _mm512_set1_epi64(i64::MIN))),
+    lt: |a, b| _mm512_cmp_pd_mask::<_CMP_LT_OQ>(a, b),
+    select: |mask, t, f| _mm512_mask_blend_pd(mask, f, t),
+    any: |m| _mm512_mask2int(m.into()) != 0,
+    all: |m| _mm512_mask2int(m.into()) == 0xff,
+    exp2: |e| _mm512_castsi512_pd(_mm512_slli_epi64::<52>(_mm512_add_epi64(
+        _mm512_cvtepi32_epi64(_mm512_cvttpd_epi32(e)),
+        _mm512_set1_epi64(1023),
+    ))),
+}
+
+/// Eight numbers in double precision.
+#[cfg(not(feature = "f64"))]
+#[inline(always)]
+fn widen_256(numbers: __m256) -> Pair<Avx2Four> {
+    // SAFETY: see the module.
+    unsafe {
+        let (low, high) = (_mm256_castps256_ps128(numbers), _mm256_extractf128_ps::<1>(numbers));
+        Pair(Avx2Four(_mm256_cvtps_pd(low)), Avx2Four(_mm256_cvtps_pd(high)))
+    }
+}
+
+/// Sixteen numbers in double precision.
+#[cfg(not(feature = "f64"))]
+#[inline(always)]
+fn widen_512(numbers: __m512) -> Pair<Avx512Eight> {
+    // SAFETY: see the module.
+    unsafe {
+        let high = _mm256_castpd_ps(_mm512_extractf64x4_pd::<1>(_mm512_castps_pd(numbers)));
+        Pair(Avx512Eight(_mm512_cvtps_pd(_mm512_castps512_ps256(numbers))), Avx512Eight(_mm512_cvtps_pd(high)))
     }
 }
 

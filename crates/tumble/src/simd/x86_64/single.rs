@@ -63,3 +63,35 @@ tile! {
     is_zero: |v| _mm512_test_epi32_mask(_mm512_castps_si512(v), _mm512_castps_si512(v)) == 0,
     rows: wide,
 }
+
+widen_to_four!(Sse2, PortableFour);
+
+impl Widen for Avx2 {
+    type Double = Pair<Avx2Four>;
+
+    #[inline(always)]
+    fn widen(self) -> Self::Double {
+        widen_256(self.0)
+    }
+
+    #[inline(always)]
+    fn store_doubles(doubles: Self::Double, row: &mut [f64]) {
+        row[..4].copy_from_slice(&doubles.0.to_array());
+        row[4..8].copy_from_slice(&doubles.1.to_array());
+    }
+}
+
+impl Widen for Avx512 {
+    type Double = Pair<Avx512Eight>;
+
+    #[inline(always)]
+    fn widen(self) -> Self::Double {
+        widen_512(self.0)
+    }
+
+    #[inline(always)]
+    fn store_doubles(doubles: Self::Double, row: &mut [f64]) {
+        row[..8].copy_from_slice(&doubles.0.to_array());
+        row[8..16].copy_from_slice(&doubles.1.to_array());
+    }
+}
