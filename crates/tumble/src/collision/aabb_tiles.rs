@@ -9,12 +9,12 @@ use crate::collision::narrow_phase::LaneKind;
 use crate::collision::update_aabbs::{AabbUpdate, Intervals, MARGIN_SHARE, MAX_MARGIN, THIN, TURNED};
 use crate::components::Velocity;
 use crate::integrators::clear_range::are_clearly_in_range;
-use crate::integrators::state::{Constants, Moments, State};
+use crate::integrators::state::Constants;
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::simd::{
     BLOCK, Kernel, Octet, Tile, dispatch_blocks_and_rest, in_whole_blocks, load_rows, octet, store_rows,
 };
-use crate::storage::tile_io::splat;
+use crate::storage::tile_io::{load_moments, load_scale, load_state, splat};
 use crate::storage::world_columns::{MomentumView, PoseView};
 
 octet! {
@@ -105,38 +105,20 @@ impl Kernel for AabbTiles<'_, '_> {
 
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
-        let (zero, one) = (T::splat(0.0), T::splat(1.0));
+        let zero = T::splat(0.0);
         let shape = load_rows::<T, _>(&self.update.shapes[i..]);
         if !T::all(zero.lt(shape.is_centered)) {
             return self.update_each(i, T::WIDTH);
         }
         let Intervals { interval, ahead, drop } = self.intervals;
         let (bodies, (momenta, masses, inertia)) = (&self.bodies, self.dynamic);
-        let [qx, qy, qz, qw, x, y, z] = T::load(&bodies.pose[i..]);
-        let [px, py, pz, lx, ly, lz] = T::load(&momenta[i..]);
         let [mass] = T::load(&masses[i..]);
         let inertia = match inertia {
-            Some(inertia) => {
-                let [a, b, c, inverse_a, inverse_b, inverse_c] = T::load(&inertia[i..]);
-                let axes = match bodies.axes {
-                    Some(axes) => {
-                        let [x, y, z, w] = T::load(&axes[i..]);
-                        Some(Quat { x, y, z, w })
-                    }
-                    None => None,
-                };
-                let inverse_moments = Vec3::new(inverse_a, inverse_b, inverse_c);
-                Some(Moments { moments: Vec3::new(a, b, c), inverse_moments, axes })
-            }
+            Some(inertia) => Some(load_moments(inertia, bodies.axes, i)),
             None => None,
         };
         let constants = Constants { mass, inertia, damping: None };
-        let state = State {
-            position: Vec3::new(x, y, z),
-            orientation: Quat { x: qx, y: qy, z: qz, w: qw },
-            linear: Vec3::new(px, py, pz),
-            angular: Vec3::new(lx, ly, lz),
-        };
+        let state = load_state(bodies.pose, momenta, i);
         if !T::all(are_clearly_in_range(&constants, &state, shape.radius)) {
             return self.update_each(i, T::WIDTH);
         }
@@ -153,24 +135,18 @@ impl Kernel for AabbTiles<'_, '_> {
                 turn = Vec3::select(turns, turn, Vec3::zero());
             }
         }
-        let linear = Vec3::new(px / mass, py / mass, pz / mass);
+        let momentum = state.linear;
+        let linear = Vec3::new(momentum.x / mass, momentum.y / mass, momentum.z / mass);
         let way = linear * T::splat(ahead.into());
-        let scale = match bodies.gravity_scale {
-            Some(scales) => {
-                let [scale] = T::load(&scales[i..]);
-                scale
-            }
-            None => one,
-        };
-        let fallen = splat::<T>(drop) * scale;
+        let fallen = splat::<T>(drop) * load_scale(bodies.gravity_scale, i);
         let is_thin = shape.half_thickness.lt(T::splat(THIN.into()) * fallen.dot(fallen).sqrt());
         let drop = Vec3::select(is_thin, fallen, Vec3::zero());
         let speed = linear.dot(linear).sqrt();
         let reach = margin + speed * T::splat(interval.into()) + drop.dot(drop).sqrt();
         let half = shape.half_extents;
         let [a, b, c] = orientation.axes();
-        let about = |x: T, y: T, z: T| x.abs() * half.x + y.abs() * half.y + z.abs() * half.z;
-        let of_box = Vec3::new(about(a.x, b.x, c.x), about(a.y, b.y, c.y), about(a.z, b.z, c.z));
+        let of_box =
+            Vec3::new(extent([a.x, b.x, c.x], half), extent([a.y, b.y, c.y], half), extent([a.z, b.z, c.z], half));
         let half_aabb = Vec3::select(zero.lt(shape.is_ball), half, of_box) + Vec3::new(reach, reach, reach);
 
         let (mut ways, mut turns, mut orientations) =
@@ -185,6 +161,12 @@ impl Kernel for AabbTiles<'_, '_> {
             k += 1;
         }
     }
+}
+
+/// How far a box reaches along an axis of the world, as its own axes see that \[m\].
+#[inline(always)]
+fn extent<T: Tile>([x, y, z]: [T; 3], half: Vec3<T>) -> T {
+    x.abs() * half.x + y.abs() * half.y + z.abs() * half.z
 }
 
 impl AabbTiles<'_, '_> {

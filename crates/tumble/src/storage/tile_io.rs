@@ -2,7 +2,7 @@
 
 use tumble_math::lane::{Lane, Quat, Vec3};
 
-use crate::components::Wrenches;
+use crate::components::{GravityScale, Inertia, Momentum, Pose, PrincipalAxes, Wrenches};
 use crate::integrators::derived::Derived;
 use crate::integrators::state::{Constants, DampingRates, Force, Moments, State};
 use crate::simd::Tile;
@@ -14,18 +14,7 @@ impl Chunk<'_> {
     pub(crate) fn constants<T: Tile>(&self, i: usize) -> Constants<T> {
         let [mass] = T::load(&self.mass[i..]);
         let inertia = match self.inertia {
-            Some(inertia) => {
-                let [a, b, c, inverse_a, inverse_b, inverse_c] = T::load(&inertia[i..]);
-                let axes = match self.axes {
-                    Some(axes) => {
-                        let [x, y, z, w] = T::load(&axes[i..]);
-                        Some(Quat { x, y, z, w })
-                    }
-                    None => None,
-                };
-                let inverse_moments = Vec3::new(inverse_a, inverse_b, inverse_c);
-                Some(Moments { moments: Vec3::new(a, b, c), inverse_moments, axes })
-            }
+            Some(inertia) => Some(load_moments(inertia, self.axes, i)),
             None => None,
         };
         let damping = match self.damping {
@@ -53,14 +42,7 @@ impl Chunk<'_> {
     /// The force of gravity on the bodies from row `i`, with their masses, in a field [m/s^2].
     #[inline(always)]
     pub(crate) fn gravity<T: Tile>(&self, i: usize, mass: T, field: Vec3<T>) -> Vec3<T> {
-        let scale = match self.gravity_scale {
-            Some(scales) => {
-                let [scale] = T::load(&scales[i..]);
-                scale
-            }
-            None => T::splat(1.0),
-        };
-        field * (mass * scale)
+        field * (mass * load_scale(self.gravity_scale, i))
     }
 
     /// The wrenches of the bodies from row `i`. Where they are zero already nothing is written:
@@ -91,14 +73,7 @@ impl Chunk<'_> {
     /// The state of the bodies from row `i`.
     #[inline(always)]
     pub(crate) fn state<T: Tile>(&self, i: usize) -> State<T> {
-        let [qx, qy, qz, qw, x, y, z] = T::load(&self.pose[i..]);
-        let [px, py, pz, lx, ly, lz] = T::load(&self.momentum[i..]);
-        State {
-            position: Vec3::new(x, y, z),
-            orientation: Quat { x: qx, y: qy, z: qz, w: qw },
-            linear: Vec3::new(px, py, pz),
-            angular: Vec3::new(lx, ly, lz),
-        }
+        load_state(self.pose, self.momentum, i)
     }
 
     /// Writes back the state of the bodies from row `i`.
@@ -129,6 +104,45 @@ impl Chunk<'_> {
             let (d, o) = (derived.diagonal, derived.off_diagonal);
             T::store([d.x, d.y, d.z, o.x, o.y, o.z], &mut column[i..]);
         }
+    }
+}
+
+/// Moments of inertia and, where they are not the body's, axes of the bodies from row `i`.
+#[inline(always)]
+pub(crate) fn load_moments<T: Tile>(inertia: &[Inertia], axes: Option<&[PrincipalAxes]>, i: usize) -> Moments<T> {
+    let [a, b, c, inverse_a, inverse_b, inverse_c] = T::load(&inertia[i..]);
+    let axes = match axes {
+        Some(axes) => {
+            let [x, y, z, w] = T::load(&axes[i..]);
+            Some(Quat { x, y, z, w })
+        }
+        None => None,
+    };
+    Moments { moments: Vec3::new(a, b, c), inverse_moments: Vec3::new(inverse_a, inverse_b, inverse_c), axes }
+}
+
+/// The state of the bodies from row `i`.
+#[inline(always)]
+pub(crate) fn load_state<T: Tile>(pose: &[Pose], momentum: &[Momentum], i: usize) -> State<T> {
+    let [qx, qy, qz, qw, x, y, z] = T::load(&pose[i..]);
+    let [px, py, pz, lx, ly, lz] = T::load(&momentum[i..]);
+    State {
+        position: Vec3::new(x, y, z),
+        orientation: Quat { x: qx, y: qy, z: qz, w: qw },
+        linear: Vec3::new(px, py, pz),
+        angular: Vec3::new(lx, ly, lz),
+    }
+}
+
+/// How gravity is scaled for the bodies from row `i`.
+#[inline(always)]
+pub(crate) fn load_scale<T: Tile>(scales: Option<&[GravityScale]>, i: usize) -> T {
+    match scales {
+        Some(scales) => {
+            let [scale] = T::load(&scales[i..]);
+            scale
+        }
+        None => T::splat(1.0),
     }
 }
 
