@@ -45,6 +45,12 @@ impl<L: Lane> Candidate<L> {
         Self { at: Vec3::new(self.at.x, self.at.y, z), index: L::splat(index as f64), ..self }
     }
 
+    /// Whether it is a point.
+    #[inline(always)]
+    fn is_there(&self) -> L::Mask {
+        self.at.z.lt(L::splat(FAR * 0.5))
+    }
+
     #[inline(always)]
     fn select(mask: L::Mask, if_true: Self, if_false: Self) -> Self {
         Self {
@@ -80,9 +86,12 @@ pub(super) fn choose<L: Lane, const N: usize>(
     middle: [L; 2],
 ) -> [Candidate<L>; 4] {
     let least_size = size * L::splat(MIN_SIZE);
-    let (all, count) = first_four(&candidates);
-    if L::all(L::splat(0.5).lt(are_corners(&all, count, least_size))) {
-        return all;
+    let count = count_of(&candidates);
+    if L::all(count.lt(L::splat(4.5))) {
+        let all = first_four(&candidates);
+        if L::all(L::splat(0.5).lt(are_corners(&all, count, least_size))) {
+            return all;
+        }
     }
     best_four(candidates, margin, least_size, middle)
 }
@@ -141,17 +150,27 @@ fn best_four<L: Lane, const N: usize>(
     in_order([first, second, third, best(&mut candidates, scores, least_size)])
 }
 
-/// The first four points that there are, in their order and without their index, and how many
-/// there are.
+/// How many points there are.
 #[inline(always)]
-fn first_four<L: Lane, const N: usize>(candidates: &[Candidate<L>; N]) -> ([Candidate<L>; 4], L) {
+fn count_of<L: Lane, const N: usize>(candidates: &[Candidate<L>; N]) -> L {
     let (zero, one) = (L::splat(0.0), L::splat(1.0));
-    let mut four = [Candidate::nowhere(); 4];
     let mut count = zero;
+    let mut k = 0;
+    while k < N {
+        count = count + L::select(candidates[k].is_there(), one, zero);
+        k += 1;
+    }
+    count
+}
+
+/// The first four points that there are, in their order and without their index.
+#[inline(always)]
+fn first_four<L: Lane, const N: usize>(candidates: &[Candidate<L>; N]) -> [Candidate<L>; 4] {
+    let mut four = [Candidate::nowhere(); 4];
     let mut k = N;
     while k > 0 {
         k -= 1;
-        let is_there = candidates[k].at.z.lt(L::splat(FAR * 0.5));
+        let is_there = candidates[k].is_there();
         // Those after it move on by one place; there are `N - 1 - k` of them at most.
         let mut place = if N - 1 - k < 3 { N - 1 - k } else { 3 };
         while place > 0 {
@@ -159,17 +178,14 @@ fn first_four<L: Lane, const N: usize>(candidates: &[Candidate<L>; N]) -> ([Cand
             place -= 1;
         }
         four[0] = Candidate::select_point(is_there, candidates[k], four[0]);
-        count = count + L::select(is_there, one, zero);
     }
-    (four, count)
+    four
 }
 
-/// One where there are up to four points and each is a corner of their convex hull, clearly so:
-/// then all of them would be chosen. Else zero.
+/// One where each of up to four points is a corner of their convex hull, clearly so: then all of
+/// them would be chosen. Else zero.
 #[inline(always)]
 fn are_corners<L: Lane>([a, b, c, d]: &[Candidate<L>; 4], count: L, least_size: L) -> L {
-    let (zero, one) = (L::splat(0.0), L::splat(1.0));
-    let above = |number: L, bar: L| L::select(bar.lt(number), one, zero);
     // So that rounding in areas about other corners changes nothing.
     let clear = least_size * L::splat(2.0);
     let (abc, abd) = (area(a.at, b.at, c.at), area(a.at, b.at, d.at));
@@ -177,13 +193,18 @@ fn are_corners<L: Lane>([a, b, c, d]: &[Candidate<L>; 4], count: L, least_size: 
     let least = abc.abs().min(abd.abs()).min(acd.abs().min(bcd.abs()));
     // Of four points in the plane one is within the triangle of the others where this is negative.
     let turns = (sign(abc) * sign(abd)) * (sign(acd) * sign(bcd));
-    let four = above(least, clear) * above(turns, zero);
+    let four = above(least, clear) * above(turns, L::splat(0.0));
     let three = above(abc.abs(), clear);
     let two = above(square(b.at.x - a.at.x, b.at.y - a.at.y), clear);
-    let up_to_two = L::select(count.lt(L::splat(1.5)), one, two);
+    let up_to_two = L::select(count.lt(L::splat(1.5)), L::splat(1.0), two);
     let up_to_three = L::select(count.lt(L::splat(2.5)), up_to_two, three);
-    let up_to_four = L::select(count.lt(L::splat(3.5)), up_to_three, four);
-    L::select(count.lt(L::splat(4.5)), up_to_four, zero)
+    L::select(count.lt(L::splat(3.5)), up_to_three, four)
+}
+
+/// One where a number is above the bar, else zero.
+#[inline(always)]
+fn above<L: Lane>(number: L, bar: L) -> L {
+    L::select(bar.lt(number), L::splat(1.0), L::splat(0.0))
 }
 
 /// In the order they came in, whatever made them be chosen: a solver that takes them one after the
@@ -210,7 +231,7 @@ fn best<L: Lane, const N: usize>(candidates: &mut [Candidate<L>; N], scores: [L;
     let mut k = 0;
     while k < N {
         // What is not there has no score.
-        let score = L::select(candidates[k].at.z.lt(L::splat(FAR * 0.5)), scores[k], L::splat(-FAR));
+        let score = L::select(candidates[k].is_there(), scores[k], L::splat(-FAR));
         let better = bar.lt(score);
         chosen = Candidate::select(better, candidates[k], chosen);
         bar = L::select(better, score + score.abs() * L::splat(LEAD), bar);
@@ -288,8 +309,9 @@ mod tests {
             let mut points = vec![None; 12];
             points[..3].copy_from_slice(&corners[..3]);
             (points[7], points[9]) = (fourth, fifth);
-            let (four, count) = first_four(&candidates(&points, 1.0));
-            are_corners(&four, count, 1e-5) > 0.5
+            let candidates = candidates(&points, 1.0);
+            let count = count_of(&candidates);
+            count < 4.5 && are_corners(&first_four(&candidates), count, 1e-5) > 0.5
         };
         assert!(short(None, corners[3]) && short(None, None));
         assert!(!short(corners[3], corners[3]), "there are five");
