@@ -113,10 +113,7 @@ impl Kernel for AabbTiles<'_, '_> {
         let Intervals { interval, ahead, drop } = self.intervals;
         let (bodies, (momenta, masses, inertia)) = (&self.bodies, self.dynamic);
         let [mass] = T::load(&masses[i..]);
-        let inertia = match inertia {
-            Some(inertia) => Some(load_moments(inertia, bodies.axes, i)),
-            None => None,
-        };
+        let inertia = load_moments(inertia, bodies.axes, i);
         let constants = Constants { mass, inertia, damping: None };
         let state = load_state(bodies.pose, momenta, i);
         if !T::all(are_clearly_in_range(&constants, &state, shape.radius)) {

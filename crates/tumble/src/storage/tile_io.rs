@@ -13,10 +13,7 @@ impl Chunk<'_> {
     #[inline(always)]
     pub(crate) fn constants<T: Tile>(&self, i: usize) -> Constants<T> {
         let [mass] = T::load(&self.mass[i..]);
-        let inertia = match self.inertia {
-            Some(inertia) => Some(load_moments(inertia, self.axes, i)),
-            None => None,
-        };
+        let inertia = load_moments(self.inertia, self.axes, i);
         let damping = match self.damping {
             Some(damping) => {
                 let [linear, angular] = T::load(&damping[i..]);
@@ -107,18 +104,29 @@ impl Chunk<'_> {
     }
 }
 
-/// Moments of inertia and, where they are not the body's, axes of the bodies from row `i`.
+/// Moments of inertia of the bodies from row `i`, if they have some, and axes where these are not
+/// the body's.
 #[inline(always)]
-pub(crate) fn load_moments<T: Tile>(inertia: &[Inertia], axes: Option<&[PrincipalAxes]>, i: usize) -> Moments<T> {
-    let [a, b, c, inverse_a, inverse_b, inverse_c] = T::load(&inertia[i..]);
-    let axes = match axes {
-        Some(axes) => {
-            let [x, y, z, w] = T::load(&axes[i..]);
-            Some(Quat { x, y, z, w })
+pub(crate) fn load_moments<T: Tile>(
+    inertia: Option<&[Inertia]>,
+    axes: Option<&[PrincipalAxes]>,
+    i: usize,
+) -> Option<Moments<T>> {
+    match inertia {
+        Some(inertia) => {
+            let [a, b, c, inverse_a, inverse_b, inverse_c] = T::load(&inertia[i..]);
+            let axes = match axes {
+                Some(axes) => {
+                    let [x, y, z, w] = T::load(&axes[i..]);
+                    Some(Quat { x, y, z, w })
+                }
+                None => None,
+            };
+            let inverse_moments = Vec3::new(inverse_a, inverse_b, inverse_c);
+            Some(Moments { moments: Vec3::new(a, b, c), inverse_moments, axes })
         }
         None => None,
-    };
-    Moments { moments: Vec3::new(a, b, c), inverse_moments: Vec3::new(inverse_a, inverse_b, inverse_c), axes }
+    }
 }
 
 /// The state of the bodies from row `i`.
