@@ -107,7 +107,7 @@ struct TakeTerms<'k> {
 }
 
 impl Kernel for TakeTerms<'_> {
-    const IN_PAIRS: bool = false;
+    const IS_LARGE: bool = true;
 
     #[inline(always)]
     fn len(&self) -> usize {

@@ -129,8 +129,9 @@ impl Tile for Real {
 
 /// A computation over tiles of any width.
 pub(crate) trait Kernel {
-    /// Whether tiles go in pairs, which what needs many registers is no faster for.
-    const IN_PAIRS: bool = true;
+    /// Whether it needs more registers than there are and its code takes much room: tiles do not go
+    /// in pairs then, and in WebAssembly, which is loaded over networks, bodies go one by one.
+    const IS_LARGE: bool = false;
 
     /// How many bodies there are.
     fn len(&self) -> usize;
@@ -142,10 +143,10 @@ pub(crate) trait Kernel {
 }
 
 /// Runs a kernel on whole tiles from row `i` on, and returns the first row that is left: all of
-/// them, if they are pairs and the kernel takes none.
+/// them, if they are pairs and the kernel is large.
 #[inline(always)]
 fn tiles<T: Tile, K: Kernel>(kernel: &mut K, mut i: usize) -> usize {
-    if T::IS_PAIR && !K::IN_PAIRS {
+    if T::IS_PAIR && K::IS_LARGE {
         return i;
     }
     while i + T::WIDTH <= kernel.len() {

@@ -32,8 +32,8 @@ use self::Single as Simd128;
 pub(super) const BASELINE_WIDTHS: [usize; 2] = [Simd128::WIDTH, Real::WIDTH];
 
 /// Runs a kernel on tiles of one vector; most machines below have 16 registers for them.
-pub(super) fn with_baseline(kernel: &mut impl Kernel) {
-    let left = tiles::<Simd128, _>(kernel, 0);
+pub(super) fn with_baseline<K: Kernel>(kernel: &mut K) {
+    let left = if K::IS_LARGE { 0 } else { tiles::<Simd128, _>(kernel, 0) };
     one_by_one(kernel, left);
 }
 

@@ -187,7 +187,7 @@ struct Advance<'k, 'a, S, A, B> {
 }
 
 impl<S: AnyWidth, A: Acting, B: Books> Kernel for Advance<'_, '_, S, A, B> {
-    const IN_PAIRS: bool = !B::ARE_KEPT;
+    const IS_LARGE: bool = B::ARE_KEPT;
 
     #[inline(always)]
     fn len(&self) -> usize {
