@@ -1,9 +1,9 @@
 //! Promise: where bodies are read for their contacts in tiles, they move as where they are read one
 //! by one.
 //!
-//! Why: boxes and balls about their centres of mass are placed in tiles unless there are sensors,
-//! and constrained bodies are read in tiles unless laws act on them; what is out of range, or has
-//! another shape, sends its whole tile the other way.
+//! Why: boxes and balls about their centres of mass are placed in tiles, and a body of another shape
+//! sends its whole tile the other way; constrained bodies are read in tiles unless laws act on them;
+//! so does what is out of range.
 
 use hecs::{Entity, World};
 use tumble::prelude::*;
@@ -23,7 +23,8 @@ impl ForceLaw for Nothing {
 }
 
 /// A heap of bodies of a size \[m\], most of them boxes and balls, of which some are out of range.
-fn heap(draw: &mut Draw) -> (World, Vec<Entity>) {
+/// Far from it falls a capsule for each, if that is wanted: neighbours in their archetype.
+fn heap(draw: &mut Draw, beside_capsules: bool) -> (World, Vec<Entity>) {
     let mut world = World::new();
     ground(&mut world, Material::new(0.5, 0.3), tumble::math::Quat::IDENTITY);
     let (size, count) = (draw.log_between(0.01, 100.0), draw.between(1.0, 60.0) as u64);
@@ -46,25 +47,24 @@ fn heap(draw: &mut Draw) -> (World, Vec<Entity>) {
         if scaled {
             world.insert_one(entity, GravityScale(real(draw.between(-0.5, 2.0)))).unwrap();
         }
+        if beside_capsules {
+            let (shape, place) = (Shape::capsule(1.0, 1.0), glam::DVec3::new(1e6 + 1e4 * id as f64, 1e5, 0.0));
+            let body = RigidBody::new(shape.clone()).mass(1.0).position(vec3(place)).id(BodyId(1000 + id));
+            let capsule = spawn(&mut world, body, collider(&shape));
+            if scaled {
+                world.insert_one(capsule, GravityScale(1.0)).unwrap();
+            }
+        }
         entity
     });
     let bodies = bodies.collect();
     (world, bodies)
 }
 
-/// The bits of all bodies after each step, with or without a sensor far from all, and a law.
-fn moved(case: u64, sensor: bool, law: bool) -> (Vec<String>, usize) {
+/// The bits of all bodies after each step, beside capsules or under a law, and how many contacts.
+fn moved(case: u64, beside_capsules: bool, law: bool) -> (Vec<String>, usize) {
     let draw = &mut Draw::new(STREAM, case);
-    let (mut world, bodies) = heap(draw);
-    if sensor {
-        let shape = Shape::sphere(1.0);
-        let place = vec3(glam::DVec3::NEG_Y * 1e6);
-        spawn(
-            &mut world,
-            RigidBody::new(shape.clone()).fixed().position(place).id(BodyId(999)),
-            collider(&shape).sensor(),
-        );
-    }
+    let (mut world, bodies) = heap(draw, beside_capsules);
     let rate = draw.between(10.0, 240.0);
     let mut simulation = Simulation::new(Settings::default().with_dt(real(1.0 / rate))).unwrap();
     if law {
@@ -86,10 +86,10 @@ fn tiles_have_the_bits_of_single_bodies() {
     for case in 0..u64::from(cases(60)) {
         let (in_tiles, contacts) = moved(case, false, false);
         touched += contacts;
-        for (sensor, law) in [(true, false), (false, true)] {
-            let (one_by_one, _) = moved(case, sensor, law);
+        for (capsules, law) in [(true, false), (false, true)] {
+            let (one_by_one, _) = moved(case, capsules, law);
             let differs = in_tiles.iter().zip(&one_by_one).position(|(a, b)| a != b);
-            assert_eq!(differs, None, "case {case}, sensor {sensor}, law {law}");
+            assert_eq!(differs, None, "case {case}, capsules {capsules}, law {law}");
         }
     }
     assert!(touched > 1000, "{touched} contacts");

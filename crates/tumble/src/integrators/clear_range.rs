@@ -1,4 +1,4 @@
-//! Quick range checks of bodies side by side. Where one does not hold, the checks of one body decide.
+//! Quick range checks of bodies side by side. Where one fails, the check of each body decides.
 
 use tumble_math::lane::{Quat, Vec3};
 
