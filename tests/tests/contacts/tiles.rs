@@ -2,8 +2,8 @@
 //! by one.
 //!
 //! Why: boxes and balls about their centres of mass are placed in tiles, and a body of another
-//! shape sends its whole tile the other way; constrained bodies are read in tiles unless laws act on
-//! them; so does what is out of range.
+//! shape sends its whole tile the other way; constrained bodies are read in tiles unless laws act
+//! on them; so does what is out of range.
 
 use hecs::{Entity, World};
 use tumble::prelude::*;

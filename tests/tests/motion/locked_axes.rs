@@ -231,7 +231,7 @@ fn a_heap_stays_in_its_plane() {
         let (mut world, bodies, size) = heap(&mut Draw::new(2354, case));
         let mut simulation = Simulation::new(Settings::default()).unwrap();
         run(&mut simulation, &mut world, 600);
-        // A ball rolls on. One that was on the heap may leave it late, and what it lay on moves then.
+        // A ball rolls on. One that leaves the heap late moves what it lay on.
         let fastest_box = |world: &World| {
             let is_box = |body: &&Entity| {
                 let inertia = world.get::<&Inertia>(**body).unwrap();
