@@ -42,8 +42,9 @@ pub fn accumulate_forces(world: &mut World, gravity: Vec3) {
 /// Advances [`Momentum`](crate::Momentum) and [`Pose`](crate::Pose) of the moving bodies by
 /// `settings.dt`, and sets the [`Wrench`] that it has consumed to zero.
 ///
-/// It takes the chosen [`Integrator`] through `settings.substeps` equal parts, under the wrench,
-/// the force components and the forces between bodies. Gravity is not in it, but in what
+/// It takes the chosen [`Integrator`](crate::Integrator) through `settings.substeps` equal parts,
+/// under the wrench, the force components and the forces between bodies. Gravity is not in it, but
+/// in what
 /// [`accumulate_forces`] adds; `settings.gravity` is that of [`Buoyancy`](crate::Buoyancy) and of
 /// accounts. Bodies that touch are pushed apart, but in each call as if they had
 /// not touched before: for piles take a [`Simulation`](crate::Simulation), which keeps what held
