@@ -173,7 +173,7 @@ fn a_pile_that_settles_does_not_flicker() {
                 Told::End(bodies) => touching.remove(&bodies),
             };
             assert!(changed, "{event:?} in step {step}");
-            // What rocks to and fro may touch now here, now there, but takes its time.
+            // What rocks may touch now here, now there, but takes its time.
             match event {
                 Told::Begin(bodies) => {
                     let before = ended.insert(bodies, None).flatten();

@@ -13,7 +13,7 @@ use tumble::{
 };
 use tumble_tests::{by_precision, simulation};
 
-/// Pushes to and fro, and turns.
+/// Pushes in alternating directions, and turns.
 struct Tide;
 
 impl ForceLaw for Tide {

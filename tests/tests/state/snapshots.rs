@@ -21,7 +21,7 @@ use tumble_tests::hash;
 
 const BODIES: u64 = 96;
 
-/// Pulls to and fro: depends on time.
+/// Pulls in alternating directions: depends on time.
 #[derive(Clone)]
 struct Tide;
 

@@ -5,8 +5,9 @@ use tumble_math::lane::{Lane, Vec3};
 use super::{MIN_SINE, Pair};
 use crate::lanes::{FAR, ManifoldLanes, sign};
 
-/// What a sine may be larger than one by rounding, with much to spare.
-const ROUNDED: f64 = 1.0 - 1e-5;
+/// A negative gap stays below a bar whatever rounding does to it where it is below when multiplied
+/// by this.
+const NEARER: f64 = 1.0 - 1e-5;
 
 /// How far the common perpendicular of an edge of each separates the boxes at most, and which
 /// edges: `3 i + j`. Among edges the best has to be taken: the nearest points of others may be past
@@ -31,7 +32,7 @@ pub(super) fn widest_gap<L: Lane>(pair: &Pair<L>, bar: L) -> (L, L) {
     }
     let (mut best, mut code) = (L::splat(-FAR), zero);
     // A sine is at most one, so what is negative is more so when divided by it.
-    if L::all((most * L::splat(ROUNDED)).lt(bar.min(zero))) {
+    if L::all((most * L::splat(NEARER)).lt(bar.min(zero))) {
         return (best, code);
     }
     let mut index = 0;

@@ -268,7 +268,7 @@ mod tests {
     /// In parts of the face, and above it.
     type Point = (f32, f32, f32);
 
-    /// Up to twelve points in a face of `width` by `depth`, of which some are in one place and some
+    /// Up to twelve points in a face, and its half width \[m\]; some are in one place and some
     /// in a line.
     fn points() -> impl Strategy<Value = (Vec<Option<Point>>, f32)> {
         let place = prop_oneof![2 => -1.0_f32..1.0, 1 => Just(-1.0), 1 => Just(1.0), 1 => Just(0.25)];

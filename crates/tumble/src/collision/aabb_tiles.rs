@@ -11,9 +11,7 @@ use crate::components::Velocity;
 use crate::integrators::clear_range::are_clearly_in_range;
 use crate::integrators::state::Constants;
 use crate::math::{Real, Vec3 as WorldVec3};
-use crate::simd::{
-    BLOCK, Kernel, Octet, Tile, dispatch_blocks_and_rest, in_whole_blocks, load_rows, octet, store_rows,
-};
+use crate::simd::{BLOCK, Kernel, Octet, Tile, dispatch_blocks_and_rest, load_rows, octet, store_rows};
 use crate::storage::tile_io::{load_moments, load_scale, load_state, splat};
 use crate::storage::world_columns::{MomentumView, PoseView};
 
@@ -86,8 +84,7 @@ pub(crate) fn update_in_tiles(
     dynamic: MomentumView<'_>,
     intervals: Intervals,
 ) {
-    let count = update.states.len();
-    dispatch_blocks_and_rest(&mut AabbTiles { update, bodies, dynamic, intervals }, count);
+    dispatch_blocks_and_rest(&mut AabbTiles { update, bodies, dynamic, intervals });
 }
 
 struct AabbTiles<'k, 'a> {
@@ -100,7 +97,7 @@ struct AabbTiles<'k, 'a> {
 impl Kernel for AabbTiles<'_, '_> {
     #[inline(always)]
     fn len(&self) -> usize {
-        in_whole_blocks(self.update.states.len())
+        self.update.states.len()
     }
 
     #[inline(always)]

@@ -303,15 +303,28 @@ pub(crate) fn dispatch_in_blocks(kernel: &mut impl Kernel) {
     Level::chosen().run_in_blocks(kernel);
 }
 
-/// Runs a kernel of whole blocks, and on the rest of this many bodies one at a time.
-pub(crate) fn dispatch_blocks_and_rest(kernel: &mut impl Kernel, count: usize) {
-    dispatch_in_blocks(kernel);
-    (kernel.len()..count).for_each(|i| kernel.tile::<Real>(i));
+/// Runs a kernel with tiles no wider than a block, and on what is no whole block one body at a
+/// time.
+pub(crate) fn dispatch_blocks_and_rest(kernel: &mut impl Kernel) {
+    let mut whole = WholeBlocks(kernel);
+    dispatch_in_blocks(&mut whole);
+    let rest = whole.len();
+    one_by_one(kernel, rest);
 }
 
-/// How many of this many bodies are in whole blocks.
-pub(crate) fn in_whole_blocks(count: usize) -> usize {
-    count - count % BLOCK
+/// The whole blocks of a kernel.
+struct WholeBlocks<'k, K>(&'k mut K);
+
+impl<K: Kernel> Kernel for WholeBlocks<'_, K> {
+    #[inline(always)]
+    fn len(&self) -> usize {
+        self.0.len() - self.0.len() % BLOCK
+    }
+
+    #[inline(always)]
+    fn tile<T: Tile>(&mut self, i: usize) {
+        self.0.tile::<T>(i);
+    }
 }
 
 /// Runs a kernel of fours with the instruction set in force.

@@ -9,7 +9,7 @@ use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, State};
 use crate::math::Real;
 use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_IMPULSE, MAX_SPEED, is_rotation, within};
-use crate::simd::{Kernel, Tile, dispatch_blocks_and_rest, in_whole_blocks, load_rows};
+use crate::simd::{Kernel, Tile, dispatch_blocks_and_rest, load_rows};
 use crate::solver::body_rows::ForceImpulse;
 use crate::solver::solver_bodies::{DynamicRows, SolverBodies};
 use crate::storage::chunk::Chunk;
@@ -28,12 +28,9 @@ pub(crate) fn gather_tiles(
         if is_read {
             run = if run.is_empty() { row..row + 1 } else { run.start..row + 1 };
         } else if !run.is_empty() {
-            let (first, in_blocks) = (run.start, in_whole_blocks(run.len()));
-            dispatch_blocks_and_rest(
-                &mut GatherTiles { bodies, first, in_blocks, dynamic: &mut dynamic, next, h },
-                run.len(),
-            );
-            next += run.len();
+            let (first, count) = (run.start, run.len());
+            dispatch_blocks_and_rest(&mut GatherTiles { bodies, first, count, dynamic: &mut dynamic, next, h });
+            next += count;
             run = 0..0;
         }
     }
@@ -48,8 +45,8 @@ pub(crate) fn is_in_range(constants: &Constants<Real>, state: &State<Real>) -> b
 
 /// Whether what forces do to the bodies of these rows is in range.
 pub(crate) fn are_kicked_in_range(bodies: &SolverBodies, rows: Range<usize>) -> bool {
-    let mut kicks = Kicks { bodies, first: rows.start, in_blocks: in_whole_blocks(rows.len()), are_in_range: true };
-    dispatch_blocks_and_rest(&mut kicks, rows.len());
+    let mut kicks = Kicks { bodies, rows: rows.clone(), are_in_range: true };
+    dispatch_blocks_and_rest(&mut kicks);
     kicks.are_in_range || rows.into_iter().all(|row| bodies.is_kicked_in_range(row))
 }
 
@@ -57,7 +54,7 @@ pub(crate) fn are_kicked_in_range(bodies: &SolverBodies, rows: Range<usize>) -> 
 struct GatherTiles<'k, 'a, 'd> {
     bodies: &'k Chunk<'a>,
     first: usize,
-    in_blocks: usize,
+    count: usize,
     dynamic: &'k mut DynamicRows<'d>,
     /// The row of the first in the solver.
     next: usize,
@@ -67,7 +64,7 @@ struct GatherTiles<'k, 'a, 'd> {
 impl Kernel for GatherTiles<'_, '_, '_> {
     #[inline(always)]
     fn len(&self) -> usize {
-        self.in_blocks
+        self.count
     }
 
     #[inline(always)]
@@ -98,8 +95,7 @@ impl GatherTiles<'_, '_, '_> {
 /// What forces do to neighbouring bodies.
 struct Kicks<'a> {
     bodies: &'a SolverBodies,
-    first: usize,
-    in_blocks: usize,
+    rows: Range<usize>,
     /// Clearly so.
     are_in_range: bool,
 }
@@ -107,12 +103,12 @@ struct Kicks<'a> {
 impl Kernel for Kicks<'_> {
     #[inline(always)]
     fn len(&self) -> usize {
-        self.in_blocks
+        self.rows.len()
     }
 
     #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
-        let row = self.first + i;
+        let row = self.rows.start + i;
         let ForceImpulse { linear, angular, kept_linear, kept_angular } =
             load_rows::<T, _>(&self.bodies.force_impulse[row..]);
         let inverse_mass = load_rows::<T, _>(&self.bodies.motion[row..]).inverse_mass;

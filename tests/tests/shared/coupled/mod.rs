@@ -23,7 +23,7 @@ pub(crate) enum Kinds {
     NoKinematic,
 }
 
-/// A law of one body: pulls to and fro.
+/// A law of one body: pulls in alternating directions.
 pub(crate) struct Tide;
 
 impl ForceLaw for Tide {
