@@ -7,6 +7,7 @@ use tumble_math::lane::{Lane, Quat, Vec3};
 use crate::aabb::Aabb;
 use crate::compound::Compound;
 use crate::convex_hull::ConvexHull;
+use crate::cuboids::{CuboidLanes, cuboid_reach};
 use crate::height_field::HeightField;
 use crate::mesh::Mesh;
 use crate::mesh_pair;
@@ -159,9 +160,8 @@ impl<R: Scalar> ColliderShape<R> {
         let [x, y, z] = at.orientation.axes();
         let rows = [Vec3::new(x.x, y.x, z.x), Vec3::new(x.y, y.y, z.y), Vec3::new(x.z, y.z, z.z)];
         let of_box = |center: Vec3<R>, h: Vec3<R>| {
-            let reach = |row: Vec3<R>| row.x.abs() * h.x + row.y.abs() * h.y + row.z.abs() * h.z;
-            let [x, y, z] = rows.map(reach);
-            Aabb::about(at.to_world(center), Vec3::new(x, y, z) + Vec3::splat(margin))
+            let reach = cuboid_reach(&CuboidLanes { half_extents: h, orientation: at.orientation });
+            Aabb::about(at.to_world(center), reach + Vec3::splat(margin))
         };
         let of_surface =
             |aabb: Aabb<f64>| of_box(narrow((aabb.low + aabb.high) * 0.5), narrow((aabb.high - aabb.low) * 0.5));

@@ -8,7 +8,7 @@ use tumble_math::lane::{Lane, Vec3};
 use crate::manifold::{ContactPoint, MAX_MANIFOLD_POINTS, Manifold, Points};
 use crate::scalar::Scalar;
 
-pub use crate::cuboids::{CuboidLanes, cuboid_gap, cuboid_pair};
+pub use crate::cuboids::{CuboidLanes, cuboid_gap, cuboid_pair, cuboid_reach};
 pub use crate::sphere_lanes::sphere_pair;
 
 /// How pairs of shapes touch, each as a [`Manifold`] says it.

@@ -131,6 +131,31 @@ pub fn cuboid_gap<L: Lane>(first: &CuboidLanes<L>, second: &CuboidLanes<L>, apar
     a.max(b).max(c).max(d).max(e).max(f)
 }
 
+/// How far a box reaches from its centre along the axes of the world \[m\].
+///
+/// ```
+/// use tumble_collide::lanes::{CuboidLanes, cuboid_reach};
+/// use tumble_math::lane::{Quat, Vec3};
+///
+/// // A quarter of a turn about z: what was along x is along y.
+/// let half = 0.5_f64.sqrt();
+/// let turned = Quat { x: 0.0, y: 0.0, z: half, w: half };
+/// let board = CuboidLanes { half_extents: Vec3::new(2.0, 0.5, 1.0), orientation: turned };
+/// let reach = cuboid_reach(&board);
+/// assert!((reach.x - 0.5).abs() < 1e-12 && (reach.y - 2.0).abs() < 1e-12 && reach.z == 1.0);
+/// ```
+#[inline(always)]
+pub fn cuboid_reach<L: Lane>(cuboid: &CuboidLanes<L>) -> Vec3<L> {
+    let (half, [x, y, z]) = (cuboid.half_extents, cuboid.orientation.axes());
+    Vec3::new(along([x.x, y.x, z.x], half), along([x.y, y.y, z.y], half), along([x.z, y.z, z.z], half))
+}
+
+/// How far a box reaches along a direction that its own axes have these components along.
+#[inline(always)]
+fn along<L: Lane>([x, y, z]: [L; 3], half: Vec3<L>) -> L {
+    x.abs() * half.x + y.abs() * half.y + z.abs() * half.z
+}
+
 /// How boxes touch, with points where they are less than `margin` \[m\] apart; `apart` is the way
 /// from the first centre to the second.
 ///

@@ -1,12 +1,13 @@
 //! Where dynamic boxes and balls about their centres of mass are, a tile at a time.
 
+use tumble_collide::lanes::{CuboidLanes, cuboid_reach};
 use tumble_collide::{Aabb, ColliderShape, Isometry, Proxy};
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::collider::Collider;
 use crate::collision::collider_state::{Activity, ColliderState, Motion};
 use crate::collision::narrow_phase::LaneKind;
-use crate::collision::update_aabbs::{AabbUpdate, Intervals, MARGIN_SHARE, MAX_MARGIN, THIN, TURNED};
+use crate::collision::update_aabbs::{AabbUpdate, Intervals, drop_of, margin_of, turning};
 use crate::components::Velocity;
 use crate::integrators::clear_range::are_clearly_in_range;
 use crate::integrators::state::Constants;
@@ -117,31 +118,21 @@ impl Kernel for AabbTiles<'_, '_> {
             return self.update_each(i, T::WIDTH);
         }
         let orientation = state.orientation.normalize();
-        let margin = (T::splat(MARGIN_SHARE.into()) * shape.half_thickness).min(T::splat(MAX_MARGIN.into()));
-        let mut turn = Vec3::zero();
-        if let Some(inertia) = constants.inertia {
-            let Vec3 { x, y, z } = inertia.inverse_moments;
-            let ahead = T::splat(ahead.into());
-            let most = x.max(y).max(z) * state.angular.dot(state.angular).sqrt() * ahead;
-            let turns = (T::splat(TURNED.into()) * margin / shape.radius).lt(most);
-            if T::any(turns) {
-                turn = inertia.angular_velocity(orientation, state.angular) * ahead;
-                turn = Vec3::select(turns, turn, Vec3::zero());
-            }
-        }
+        let (margin, ahead) = (margin_of(shape.half_thickness), T::splat(ahead.into()));
+        let turn = match &constants.inertia {
+            Some(inertia) => turning(inertia, (orientation, state.angular), ahead, (margin, shape.radius)),
+            None => Vec3::zero(),
+        };
         let momentum = state.linear;
         let linear = Vec3::new(momentum.x / mass, momentum.y / mass, momentum.z / mass);
-        let way = linear * T::splat(ahead.into());
+        let way = linear * ahead;
         let fallen = splat::<T>(drop) * load_scale(bodies.gravity_scale, i);
-        let is_thin = shape.half_thickness.lt(T::splat(THIN.into()) * fallen.dot(fallen).sqrt());
-        let drop = Vec3::select(is_thin, fallen, Vec3::zero());
+        let drop = drop_of(fallen, shape.half_thickness);
         let speed = linear.dot(linear).sqrt();
         let reach = margin + speed * T::splat(interval.into()) + drop.dot(drop).sqrt();
         let half = shape.half_extents;
-        let [a, b, c] = orientation.axes();
-        let of_box =
-            Vec3::new(extent([a.x, b.x, c.x], half), extent([a.y, b.y, c.y], half), extent([a.z, b.z, c.z], half));
-        let half_aabb = Vec3::select(zero.lt(shape.is_ball), half, of_box) + Vec3::new(reach, reach, reach);
+        let of_box = cuboid_reach(&CuboidLanes { half_extents: half, orientation });
+        let half_aabb = Vec3::select(zero.lt(shape.is_ball), half, of_box) + Vec3::splat(reach);
 
         let (mut ways, mut turns, mut orientations) =
             ([Way::ZERO; BLOCK], [Turn::ZERO; BLOCK], [Orientation::ZERO; BLOCK]);
@@ -155,12 +146,6 @@ impl Kernel for AabbTiles<'_, '_> {
             k += 1;
         }
     }
-}
-
-/// How far a box reaches along an axis of the world, as its own axes see that \[m\].
-#[inline(always)]
-fn extent<T: Tile>([x, y, z]: [T; 3], half: Vec3<T>) -> T {
-    x.abs() * half.x + y.abs() * half.y + z.abs() * half.z
 }
 
 impl AabbTiles<'_, '_> {

@@ -14,7 +14,7 @@ use crate::integrators::response_range::responds_in_range;
 use crate::integrators::state::{Constants, Moments};
 use crate::math::{Real, Vec3 as WorldVec3};
 use crate::range::{MAX_DISTANCE_OF_CONTACTS, MAX_SPEED, within};
-use crate::simd::BLOCK;
+use crate::simd::{BLOCK, Tile};
 use crate::storage::chunk::MIN_CHUNK;
 use crate::storage::world_columns::{PoseView, WorldColumns};
 use crate::threads;
@@ -155,14 +155,14 @@ impl AabbUpdate<'_> {
         let radius = geometry.reach().unwrap_or(0.0) + from_center.dot(from_center).sqrt();
         let ccd_thickness = geometry.ccd_thickness();
         let is_dynamic = bodies.dynamic.is_some() && !is_asleep;
-        let margin = if bodies.dynamic.is_some() { (MARGIN_SHARE * ccd_thickness).min(MAX_MARGIN) } else { 0.0 };
+        let margin = if bodies.dynamic.is_some() { margin_of(ccd_thickness) } else { 0.0 };
         let mut motion = Motion { radius, ..Motion::NONE };
         let (linear, in_range) = match bodies.dynamic {
             Some((momenta, masses, inertia)) => {
                 let (mass, Momentum { linear, angular }) = (masses[i].kilograms(), momenta[i]);
                 let inertia = inertia.map(|inertia| Moments::new(&inertia[i], bodies.axes.map(|axes| &axes[i])));
                 if let Some(inertia) = &inertia {
-                    motion.turn = turning(inertia, (orientation, angular.into()), ahead_of, TURNED * margin / radius);
+                    motion.turn = turning(inertia, (orientation, angular.into()), ahead_of, (margin, radius));
                 }
                 let constants = Constants { mass, inertia, damping: None };
                 (linear / mass, place && responds_in_range(&constants, [linear.into(), angular.into()], radius))
@@ -175,7 +175,7 @@ impl AabbUpdate<'_> {
         };
         motion.way = Vec3::from(linear) * ahead_of;
         let fallen = Vec3::from(drop) * if is_dynamic { scale_of(bodies.gravity_scale, i) } else { 0.0 };
-        motion.drop = Vec3::select(ccd_thickness < THIN * fallen.dot(fallen).sqrt(), fallen, Vec3::zero());
+        motion.drop = drop_of(fallen, ccd_thickness);
         let fall = motion.drop.dot(motion.drop).sqrt();
         if !in_range {
             // It is nowhere then, and touches nothing that it could spoil.
@@ -203,16 +203,16 @@ impl AabbUpdate<'_> {
 }
 
 /// The margin of a dynamic body as a share of half its thickness, ...
-pub(crate) const MARGIN_SHARE: Real = 0.02;
+const MARGIN_SHARE: Real = 0.02;
 /// ... but no more than this \[m\]; two dynamic bodies have the sum of theirs.
-pub(crate) const MAX_MARGIN: Real = 0.01;
+const MAX_MARGIN: Real = 0.01;
 
 /// A body with half a thickness of less than this many falls in a step is so thin that gravity
 /// alone may take it through the ground, or so deep into it that it shows.
-pub(crate) const THIN: Real = 5.0;
+const THIN: Real = 5.0;
 /// A body whose furthest points turn by less than this part of its margin does not turn, for
 /// speculative contacts.
-pub(crate) const TURNED: Real = 0.25;
+const TURNED: Real = 0.25;
 
 /// Whether a body stands and is where contacts can be found.
 fn is_somewhere(pose: &Pose, places: [Vec3<Real>; 2]) -> bool {
@@ -236,14 +236,33 @@ fn sensed_ahead(way: Real, motion: &Motion) -> Real {
     if more.is_finite() { more } else { 0.0 }
 }
 
-/// The angle by which a body turns in an interval \[rad\], if that may be more than `least`.
-fn turning(
-    inertia: &Moments<Real>,
-    (orientation, momentum): (Quat<Real>, Vec3<Real>),
-    interval: Real,
-    least: Real,
-) -> Vec3<Real> {
+/// The margin of a dynamic body \[m\].
+#[inline(always)]
+pub(crate) fn margin_of<T: Tile>(half_thickness: T) -> T {
+    (T::splat(MARGIN_SHARE.into()) * half_thickness).min(T::splat(MAX_MARGIN.into()))
+}
+
+/// How far gravity takes a body, if that is not little beside its thickness \[m\].
+#[inline(always)]
+pub(crate) fn drop_of<T: Tile>(fallen: Vec3<T>, half_thickness: T) -> Vec3<T> {
+    let is_thin = half_thickness.lt(T::splat(THIN.into()) * fallen.dot(fallen).sqrt());
+    Vec3::select(is_thin, fallen, Vec3::zero())
+}
+
+/// The angle by which a body with a margin and a radius \[m\] turns in an interval \[rad\], if that
+/// may be more than is negligible.
+#[inline(always)]
+pub(crate) fn turning<T: Tile>(
+    inertia: &Moments<T>,
+    (orientation, momentum): (Quat<T>, Vec3<T>),
+    interval: T,
+    (margin, radius): (T, T),
+) -> Vec3<T> {
     let Vec3 { x, y, z } = inertia.inverse_moments;
     let most = x.max(y).max(z) * momentum.dot(momentum).sqrt() * interval;
-    if most > least { inertia.angular_velocity(orientation, momentum) * interval } else { Vec3::zero() }
+    let turns = (T::splat(TURNED.into()) * margin / radius).lt(most);
+    if !T::any(turns) {
+        return Vec3::zero();
+    }
+    Vec3::select(turns, inertia.angular_velocity(orientation, momentum) * interval, Vec3::zero())
 }
