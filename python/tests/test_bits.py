@@ -52,7 +52,7 @@ def test_a_built_in_scene_ends_with_the_hash_of_the_program(name: str, program: 
 
 
 def test_the_t_handle_ends_with_known_bits(lib: ModuleType) -> None:
-    known = {"f32": "b781f0ae2c5b23d6", "f64": "e910dc45fefbb59d"}
+    known = {"f32": "26e13f40d0b487d6", "f64": "e910dc45fefbb59d"}
     assert alone(lib, "t-handle", 600) == known[lib.PRECISION]
 
 
