@@ -37,12 +37,13 @@ impl<R: Scalar> Aabb<R> {
     /// Whether the boxes have a point in common. One that is not a number has none.
     #[inline]
     pub fn meets(&self, other: &Self) -> bool {
-        self.low.x <= other.high.x
-            && other.low.x <= self.high.x
-            && self.low.y <= other.high.y
-            && other.low.y <= self.high.y
-            && self.low.z <= other.high.z
-            && other.low.z <= self.high.z
+        // Without branches, which for neighbours are taken as often as not.
+        (self.low.x <= other.high.x)
+            & (other.low.x <= self.high.x)
+            & (self.low.y <= other.high.y)
+            & (other.low.y <= self.high.y)
+            & (self.low.z <= other.high.z)
+            & (other.low.z <= self.high.z)
     }
 
     /// Whether all of the other is in this one, its surface included. Compared without branches:

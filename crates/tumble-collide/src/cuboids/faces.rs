@@ -104,11 +104,9 @@ impl<L: Lane> Facing<L> {
     /// The middle of what the bounds of both faces along u and v have in common.
     #[inline(always)]
     fn shared_middle(&self) -> [L; 2] {
-        let half = L::splat(0.5);
-        let middle = |at: L, reach: L, width: L| ((at - reach).max(-width) + (at + reach).min(width)) * half;
         [
-            middle(self.middle.x, self.p.x.abs() + self.q.x.abs(), self.half[0]),
-            middle(self.middle.y, self.p.y.abs() + self.q.y.abs(), self.half[1]),
+            middle_of_shared(self.middle.x, self.p.x.abs() + self.q.x.abs(), self.half[0]),
+            middle_of_shared(self.middle.y, self.p.y.abs() + self.q.y.abs(), self.half[1]),
         ]
     }
 
@@ -196,6 +194,12 @@ impl<L: Lane> Facing<L> {
         let height = L::select(within, height, L::splat(FAR));
         Candidate { at: Vec3::new(x, y, height), carried: zero, feature: L::splat(40.0 + corner as f64), index: zero }
     }
+}
+
+/// The middle of what two intervals have in common: about `at`, and about zero.
+#[inline(always)]
+fn middle_of_shared<L: Lane>(at: L, reach: L, width: L) -> L {
+    ((at - reach).max(-width) + (at + reach).min(width)) * L::splat(0.5)
 }
 
 /// When what is at `from` and goes `way` in a unit of time is within `half` of zero: from when to

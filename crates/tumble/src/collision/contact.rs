@@ -36,6 +36,20 @@ pub(crate) struct ContactRecord {
     pub(crate) earlier_impulse: Real,
 }
 
+/// The kind of a contact's shapes, both slots, the lower first, and the part, in one number.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct ContactKey(u128);
+
+impl ContactKey {
+    #[inline]
+    pub(crate) fn new(kind: LaneKind, [a, b]: [Slot; 2], part: u32) -> Self {
+        let (low, high) = (a.min(b), a.max(b));
+        let upper = u64::from(kind as u8) << 32 | u64::from(low.0);
+        let lower = u64::from(high.0) << 32 | u64::from(part);
+        Self(u128::from(upper) << 64 | u128::from(lower))
+    }
+}
+
 /// The second body of a contact.
 #[derive(Clone, Copy)]
 pub(crate) struct Second {
@@ -177,10 +191,9 @@ impl ContactRecord {
         self.normal_impulses.dynamic_friction = surface.dynamic_friction;
     }
 
-    /// The sort key of contacts: the kind of the shapes, both slots, the lower first, and the part.
-    pub(crate) fn key(&self) -> (LaneKind, Slot, Slot, u32) {
-        let [a, b] = self.slots;
-        (self.kind, a.min(b), a.max(b), self.part)
+    /// The sort key of contacts.
+    pub(crate) fn key(&self) -> ContactKey {
+        ContactKey::new(self.kind, self.slots, self.part)
     }
 
     /// Whether it is found again in each substep.
@@ -223,7 +236,8 @@ impl ContactRecord {
 
     /// How many points.
     pub(crate) fn count(&self) -> usize {
-        self.geometry.count as usize
+        // Saturating to a byte takes a third of the instructions.
+        usize::from(self.geometry.count as u8)
     }
 
     /// Half-way between the surfaces at a point, from the second body's centre of mass.
@@ -303,8 +317,16 @@ impl ContactRecord {
         let same_place = SAME_PLACE * self.margin();
         let near_enough = same_place * same_place;
         let mut held = [0.0; MAX_MANIFOLD_POINTS];
-        if count == old_count && (0..count).all(|j| self.features[j] == old.features[j] && near(j, j) <= near_enough) {
-            held[..count].copy_from_slice(&old.normal_impulses.at_points[..count]);
+        let is_same = |j: usize| (self.features[j] == old.features[j]) & (near(j, j) <= near_enough);
+        let are_same = if count == 1 {
+            is_same(0)
+        } else {
+            // Without branches, over all points that there can be.
+            (0..MAX_MANIFOLD_POINTS).fold(true, |are_same, j| are_same & (is_same(j) | (j >= count)))
+        };
+        if count == old_count && are_same {
+            let old = old.normal_impulses.at_points;
+            held.iter_mut().zip(old).enumerate().for_each(|(j, (held, old))| *held = if j < count { old } else { 0.0 });
         } else {
             let (mut taken, mut found) = ([false; MAX_MANIFOLD_POINTS], [false; MAX_MANIFOLD_POINTS]);
             for way in 0..3 {

@@ -51,12 +51,14 @@ impl ContactCache {
         !body_keys.renew(world, body_index, contacts, (ended, bereaved))
     }
 
-    /// Says of which shapes contacts are, and puts them in order.
-    pub(crate) fn arrange(&self, contacts: &mut Vec<ContactRecord>, colliders: &Colliders) {
-        // Colliders may be others than they were, and contacts that were put back lie as they did
-        // elsewhere.
-        for contact in &mut *contacts {
-            contact.set_kind(contact.slots.map(|slot| colliders.get(slot).map(|(it, _)| it)));
+    /// Says of which shapes contacts are, and puts them in order. Where `are_same`, colliders and
+    /// slots are those that the contacts were found with.
+    pub(crate) fn arrange(&self, contacts: &mut Vec<ContactRecord>, colliders: &Colliders, are_same: bool) {
+        if are_same {
+            debug_assert!(contacts.iter().all(|contact| contact.kind == colliders.kind_of(contact.slots)));
+        } else {
+            // Contacts that were put back lie as they did elsewhere.
+            contacts.iter_mut().for_each(|contact| contact.kind = colliders.kind_of(contact.slots));
         }
         if !contacts.is_sorted_by_key(ContactRecord::key) {
             contacts.sort_unstable_by_key(ContactRecord::key);

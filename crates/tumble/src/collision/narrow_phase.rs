@@ -8,11 +8,12 @@ use tumble_collide::lanes::{CuboidLanes, ManifoldLanes, cuboid_gap, cuboid_pair,
 use tumble_collide::{ColliderShape, Isometry, MAX_MANIFOLD_POINTS};
 use tumble_math::lane::{Quat, Vec3};
 
+use crate::collision::collider::Collider;
 use crate::collision::contact::{ContactRecord, UpdateRule};
 use crate::collision::contact_rows::{ContactGeometry, PointPair};
 use crate::math::Real;
 use crate::simd::block_lanes::put;
-use crate::simd::{BLOCK, Kernel, Octet, Tile, dispatch_in_blocks, gather, octet, store_rows};
+use crate::simd::{BLOCK, HALF_BLOCK, Kernel, Octet, Tile, dispatch_in_blocks, gather, octet, store_rows};
 use crate::storage::body_index::Slot;
 use crate::threads::InParts;
 
@@ -63,6 +64,12 @@ impl LaneKind {
             ColliderShape::Sphere { .. } => Self::Sphere,
             _ => Self::Other,
         }
+    }
+
+    /// Of the shapes of two colliders; of a body that lost its collider it is [`Self::Other`].
+    pub(crate) fn of_both([first, second]: [Option<&Collider>; 2]) -> Self {
+        let kind = |collider: Option<&Collider>| collider.map_or(Self::Other, |it| Self::of(it.geometry()));
+        Self::both(kind(first), kind(second))
     }
 
     /// Of a pair.
@@ -141,7 +148,7 @@ impl ShapeLanesPart<'_> {
 }
 
 /// Blocks of pairs that one thread tests at a time.
-const PART: usize = 32;
+const PART: usize = 16;
 
 /// Pairs of one kind, in blocks, and what was found out about them.
 #[derive(Clone, Default)]
@@ -184,7 +191,7 @@ impl Pairs {
     ) -> (usize, bool) {
         self.fill_blocks(shapes.nobody());
         self.gaps.clear();
-        self.gaps.resize(self.blocks.len() * BLOCK, 0.0);
+        self.gaps.resize(self.pairs.len().next_multiple_of(HALF_BLOCK), 0.0);
         let parts = self.blocks.par_chunks(PART).zip(self.gaps.par_chunks_mut(PART * BLOCK));
         parts.by_at_least(1).for_each(|(blocks, gaps)| {
             dispatch_in_blocks(&mut Gaps::<S> { blocks, shapes, gaps, kind: PhantomData });
@@ -196,7 +203,7 @@ impl Pairs {
 
         // What is there is not cleared first: many contacts are more than caches hold, and this way
         // they are written once.
-        let end = begin + self.blocks.len() * BLOCK;
+        let end = begin + self.pairs.len().next_multiple_of(HALF_BLOCK);
         if contacts.len() < end {
             contacts.resize(end, ContactRecord::NONE);
         }

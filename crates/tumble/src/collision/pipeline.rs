@@ -101,6 +101,11 @@ impl Colliders {
         self.list[slot.index()].as_ref()
     }
 
+    /// Of which shapes a contact between slots is.
+    pub(crate) fn kind_of(&self, slots: [Slot; 2]) -> LaneKind {
+        LaneKind::of_both(slots.map(|slot| self.get(slot).map(|(it, _)| it)))
+    }
+
     /// Gives colliders the slots that their bodies have now; `slots` are these by slot before.
     fn renumber(&mut self, slots: &[Slot], count: usize) {
         self.list = by_new_slot(std::mem::take(&mut self.list), slots, count, None);
@@ -198,10 +203,10 @@ impl CollisionPipeline {
         }
         sleepers.disturbed.append(&mut cache.bereaved);
         let same_groups = colliders.update(world, body_index, same_slots, &mut sleepers.changed);
-        cache.arrange(&mut contacts.records, colliders);
+        *are_states_known &= same_slots && !colliders.are_changed;
+        cache.arrange(&mut contacts.records, colliders, *are_states_known);
         if !same_slots || colliders.are_changed {
-            cache.arrange(&mut sleepers.contacts, colliders);
-            *are_states_known = false;
+            cache.arrange(&mut sleepers.contacts, colliders, false);
         }
         // A hook may ask for any of them, from step to step others.
         contacts.extras = if hook.is_some() { Extras::ALL } else { colliders.materials.extras() };

@@ -4,10 +4,8 @@ use tumble_collide::MAX_MANIFOLD_POINTS;
 use tumble_math::lane::Vec3;
 
 use crate::collision::body_key::BodyKey;
-use crate::collision::collider::Collider;
 use crate::collision::contact::{ContactRecord, MAX_HALVINGS};
 use crate::collision::contact_rows::WorldFriction;
-use crate::collision::narrow_phase::LaneKind;
 use crate::joints::held_impulses::HeldImpulse;
 use crate::math::Real;
 use crate::storage::body_index::Slot;
@@ -249,11 +247,5 @@ impl ContactRecord {
             contact.features[j] = point.feature;
         }
         contact
-    }
-
-    /// Says of which shapes it is; none are of a body that lost its collider.
-    pub(crate) fn set_kind(&mut self, [first, second]: [Option<&Collider>; 2]) {
-        let kind = |collider: Option<&Collider>| collider.map_or(LaneKind::Other, |it| LaneKind::of(it.geometry()));
-        self.kind = LaneKind::both(kind(first), kind(second));
     }
 }

@@ -10,7 +10,7 @@ use tumble_math::lane::Vec3;
 
 use crate::collision::collider_state::ColliderState;
 use crate::collision::compound_parts::numbers;
-use crate::collision::contact::{ContactRecord, Second, UpdateRule};
+use crate::collision::contact::{ContactKey, ContactRecord, Second, UpdateRule};
 use crate::collision::contact_ways::{SAME_NORMAL, Way, least_margin, length, nearest};
 use crate::collision::narrow_phase::LaneKind;
 use crate::collision::partners::Partners;
@@ -364,7 +364,7 @@ impl View<'_> {
         let [first, second] = self.courses(encounter, travellers);
         let (margin, parts) = (self.margin(*slots), b.geometry().parts());
         let from = contacts.len();
-        let pair = (*kind, slots[0].min(slots[1]), slots[0].max(slots[1]), 0);
+        let pair = ContactKey::new(*kind, *slots, 0);
         let before = &before[before.partition_point(|known| known.key() < pair)..];
         let before = before.iter().take_while(|known| known.slots == *slots);
         // Of the parts' contacts, of which a surface has one a triangle.

@@ -123,7 +123,7 @@ impl CollisionPipeline {
     fn add_blows(&mut self, blows: &mut Vec<ContactRecord>) {
         let contacts = &mut self.contacts.records;
         blows.retain_mut(|blow| {
-            blow.set_kind(blow.slots.map(|slot| self.colliders.get(slot).map(|(it, _)| it)));
+            blow.kind = self.colliders.kind_of(blow.slots);
             let known = contacts.binary_search_by_key(&blow.key(), ContactRecord::key);
             if let Ok(place) = known {
                 contacts[place].add_blow(blow);

@@ -18,7 +18,7 @@ use super::intrinsics::{lane, tile};
 use super::pair::Pair;
 use super::record::{numbers, set_numbers};
 use super::row_blocks::{Block, blocks};
-use super::{BLOCK, Eight, Kernel, Record, Tile, Widen, one_by_one, row_blocks, tiles};
+use super::{BLOCK, Eight, Kernel, Record, Tile, Widen, row_blocks, tiles};
 use crate::math::Real;
 
 #[cfg(feature = "f64")]
@@ -33,7 +33,7 @@ pub(super) const BASELINE_WIDTHS: [usize; 2] = [Neon::WIDTH, Real::WIDTH];
 pub(super) fn with_baseline(kernel: &mut impl Kernel) {
     let left = tiles::<Pair<Neon>, _>(kernel, 0);
     let left = tiles::<Neon, _>(kernel, left);
-    one_by_one(kernel, left);
+    kernel.one_by_one(left);
 }
 
 /// Runs a kernel of whole blocks on NEON tiles.

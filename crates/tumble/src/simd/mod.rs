@@ -140,6 +140,23 @@ pub(crate) trait Kernel {
     /// it calls with tiles, and no closure may compute with them: what is not inlined is compiled
     /// without the instruction set, and calls a function for every operation.
     fn tile<T: Tile>(&mut self, i: usize);
+
+    /// Whether no lane from row `i` of a block on has anything: a tile from there on is left out.
+    #[inline(always)]
+    fn is_empty(&self, i: usize) -> bool {
+        let _ = i;
+        false
+    }
+
+    /// Runs it on one body at a time from row `first` on.
+    fn one_by_one(&mut self, first: usize)
+    where
+        Self: Sized,
+    {
+        if first < self.len() {
+            tiles::<Real, _>(self, first);
+        }
+    }
 }
 
 /// Runs a kernel on whole tiles from row `i` on, and returns the first row that is left: all of
@@ -150,17 +167,12 @@ fn tiles<T: Tile, K: Kernel>(kernel: &mut K, mut i: usize) -> usize {
         return i;
     }
     while i + T::WIDTH <= kernel.len() {
-        kernel.tile::<T>(i);
+        if T::WIDTH >= BLOCK || !kernel.is_empty(i) {
+            kernel.tile::<T>(i);
+        }
         i += T::WIDTH;
     }
     i
-}
-
-/// Runs a kernel on one body at a time from row `first` on.
-fn one_by_one(kernel: &mut impl Kernel, first: usize) {
-    if first < kernel.len() {
-        tiles::<Real, _>(kernel, first);
-    }
 }
 
 /// An instruction set.
@@ -238,7 +250,7 @@ impl Level {
     #[inline]
     fn run(self, kernel: &mut impl Kernel) {
         match self {
-            Self::Scalar => one_by_one(kernel, 0),
+            Self::Scalar => kernel.one_by_one(0),
             #[cfg(vector_code)]
             Self::Baseline => target::with_baseline(kernel),
             #[cfg(avx_code)]
@@ -251,7 +263,7 @@ impl Level {
     #[inline]
     fn run_in_blocks(self, kernel: &mut impl Kernel) {
         match self {
-            Self::Scalar => one_by_one(kernel, 0),
+            Self::Scalar => kernel.one_by_one(0),
             #[cfg(vector_code)]
             Self::Baseline => target::blocks_with_baseline(kernel),
             #[cfg(avx_code)]
@@ -293,32 +305,36 @@ pub(crate) fn dispatch(kernel: &mut impl Kernel) {
 
 /// How many things a block has. A block is laid out for lanes, the same on every machine, and
 /// worked on in tiles as wide as it is or, where they are narrower, in several.
-pub(crate) const BLOCK: usize = 8;
+pub(crate) const BLOCK: usize = 16;
 
-/// Runs a kernel of whole blocks with the widest tiles of this machine that are no wider than a
-/// block.
+/// Rows that [`dispatch_in_blocks`] runs over are filled up to a multiple of this: to whole blocks
+/// small worlds would work on more empty rows than others.
+pub(crate) const HALF_BLOCK: usize = BLOCK / 2;
+
+/// Runs a kernel of whole halves of blocks with the widest tiles of this machine that are no wider
+/// than a block.
 #[inline]
 pub(crate) fn dispatch_in_blocks(kernel: &mut impl Kernel) {
-    debug_assert!(kernel.len().is_multiple_of(BLOCK));
+    debug_assert!(kernel.len().is_multiple_of(HALF_BLOCK));
     Level::chosen().run_in_blocks(kernel);
 }
 
-/// Runs a kernel with tiles no wider than a block, and on what is no whole block one body at a
+/// Runs a kernel with tiles no wider than a block, and on what is no half of a block one body at a
 /// time.
 pub(crate) fn dispatch_blocks_and_rest(kernel: &mut impl Kernel) {
-    let mut whole = WholeBlocks(kernel);
+    let mut whole = WholeHalves(kernel);
     dispatch_in_blocks(&mut whole);
     let rest = whole.len();
-    one_by_one(kernel, rest);
+    kernel.one_by_one(rest);
 }
 
-/// The whole blocks of a kernel.
-struct WholeBlocks<'k, K>(&'k mut K);
+/// The whole halves of the blocks of a kernel.
+struct WholeHalves<'k, K>(&'k mut K);
 
-impl<K: Kernel> Kernel for WholeBlocks<'_, K> {
+impl<K: Kernel> Kernel for WholeHalves<'_, K> {
     #[inline(always)]
     fn len(&self) -> usize {
-        self.0.len() - self.0.len() % BLOCK
+        self.0.len() - self.0.len() % HALF_BLOCK
     }
 
     #[inline(always)]

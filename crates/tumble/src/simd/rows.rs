@@ -9,6 +9,8 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
+use crate::math::Real;
+
 use super::{BLOCK, Octet, Tile, gather_rows, scatter_rows, store_rows};
 
 /// Rows anywhere in a table.
@@ -18,24 +20,38 @@ use super::{BLOCK, Octet, Tile, gather_rows, scatter_rows, store_rows};
 #[inline(always)]
 pub(crate) fn gather<T: Tile, R: Octet>(table: &[R], indices: &[u32; BLOCK], lane: usize) -> R::Lanes<T> {
     assert!(greatest::<T>(indices, lane) < table.len());
-    // SAFETY: no index is greater than the greatest, and all rows of a slice may be read.
-    unsafe { gather_from(table.as_ptr(), indices, lane) }
+    let mut rows = [R::zero(); BLOCK];
+    let mut i = 0;
+    while i < T::WIDTH {
+        // SAFETY: no index is greater than the greatest, and all rows of a slice may be read.
+        rows[i] = unsafe { &*table.as_ptr().add(indices[lane + i] as usize) };
+        i += 1;
+    }
+    gather_rows(&rows)
 }
 
-/// The same from a table that begins at `base`.
+/// Rows of the table that begins at `base`, by the [places](place) of their first numbers.
 ///
 /// # Safety
 /// The rows that a tile asks for are there and may be read.
 #[inline(always)]
-unsafe fn gather_from<T: Tile, R: Octet>(base: *const R, indices: &[u32; BLOCK], lane: usize) -> R::Lanes<T> {
+unsafe fn gather_from<T: Tile, R: Octet>(base: *const R, places: &[u32; BLOCK], lane: usize) -> R::Lanes<T> {
     let mut rows = [R::zero(); BLOCK];
     let mut i = 0;
     while i < T::WIDTH {
         // SAFETY: the caller's promise.
-        rows[i] = unsafe { &*base.add(indices[lane + i] as usize) };
+        rows[i] = unsafe { &*base.cast::<Real>().add(places[lane + i] as usize).cast() };
         i += 1;
     }
     gather_rows(&rows)
+}
+
+/// Where the first number of a row is among all: an address follows from it without a shift.
+///
+/// # Panics
+/// Where there are more rows than have one.
+fn place(row: u32) -> u32 {
+    row.checked_mul(8).expect("a table of at most 2^29 rows")
 }
 
 /// The greatest index of a tile: one comparison with it is cheaper than one with each.
@@ -60,10 +76,11 @@ pub(crate) struct RowColors {
     end: usize,
 }
 
-/// Eight pairs of rows.
+/// The pairs of rows of a block.
 #[derive(Clone, Copy, Debug)]
 struct RowPairs {
-    rows: [[u32; BLOCK]; 2],
+    /// The [places](place) of the first and of the second rows.
+    places: [[u32; BLOCK]; 2],
     /// How many lanes have a pair of their own; the others are not changed.
     count: usize,
 }
@@ -94,14 +111,14 @@ impl RowColors {
         self.colors.push(RowColor { has_non_dynamic, blocks: end..end });
     }
 
-    /// Adds a block of at most eight pairs to the color that was begun last.
+    /// Adds a block of pairs, as many as it has room for, to the color that was begun last.
     ///
     /// # Panics
     /// Where a row that is changed was in this color before, or a row is not of the kind that the
     /// color is for: the threads would not be safe from each other.
     pub(crate) fn push(&mut self, pairs: impl Iterator<Item = [u32; 2]>) {
         let nobody = self.last.len() - 1;
-        let mut block = RowPairs { rows: [[nobody as u32; BLOCK]; 2], count: 0 };
+        let mut block = RowPairs { places: [[place(nobody as u32); BLOCK]; 2], count: 0 };
         let index = self.colors.len() - 1;
         let color = &mut self.colors[index];
         for [first, second] in pairs.take(BLOCK) {
@@ -113,7 +130,7 @@ impl RowColors {
             }
             assert!(!color.has_non_dynamic || first as usize > nobody, "row {first} is only read, but may be changed");
             self.end = self.end.max(first.max(second) as usize + 1);
-            (block.rows[0][block.count], block.rows[1][block.count]) = (first, second);
+            (block.places[0][block.count], block.places[1][block.count]) = (place(first), place(second));
             block.count += 1;
         }
         self.blocks.push(block);
@@ -162,6 +179,12 @@ impl<R: Octet> Rows<'_, R> {
         (Self { blocks: first, ..self }, Self { blocks: second, ..self })
     }
 
+    /// Whether no lane of a block has a pair from `lane` on.
+    #[inline(always)]
+    pub(crate) fn is_empty(&self, block: usize, lane: usize) -> bool {
+        self.blocks[block].count <= lane
+    }
+
     /// Whether the first rows are only read.
     #[inline(always)]
     pub(crate) fn has_non_dynamic(&self) -> bool {
@@ -178,7 +201,7 @@ impl<R: Octet> Rows<'_, R> {
         assert!(which == 1 || !self.has_non_dynamic || self.end <= self.count);
         // SAFETY: rows that may be changed are there, as was checked when they were listed and this
         // was made. Nothing changes these rows: see the type; nor the one that stands for none.
-        unsafe { gather_from(self.base, &self.blocks[block].rows[which], lane) }
+        unsafe { gather_from(self.base, &self.blocks[block].places[which], lane) }
     }
 
     /// Those of both in a table beside this one.
@@ -188,7 +211,7 @@ impl<R: Octet> Rows<'_, R> {
     #[inline(always)]
     pub(crate) fn gather_beside<T: Tile, S: Octet>(&self, table: &[S], block: usize, lane: usize) -> [S::Lanes<T>; 2] {
         assert!(self.end <= table.len());
-        let [first, second] = &self.blocks[block].rows;
+        let [first, second] = &self.blocks[block].places;
         // SAFETY: no row that is listed is beyond the end, and all rows of a slice may be read.
         unsafe { [gather_from(table.as_ptr(), first, lane), gather_from(table.as_ptr(), second, lane)] }
     }
@@ -197,16 +220,17 @@ impl<R: Octet> Rows<'_, R> {
     /// read stay as they are, and so does the row that stands for none.
     #[inline(always)]
     pub(crate) fn scatter<T: Tile>(&mut self, lanes: R::Lanes<T>, block: usize, which: usize, lane: usize) {
-        let RowPairs { rows, count } = &self.blocks[block];
+        let RowPairs { places, count } = &self.blocks[block];
+        let base: *mut Real = self.base.cast();
         let count = if self.has_non_dynamic && which == 0 { 0 } else { *count };
         let mut aside = [R::ZERO; BLOCK];
-        if count == BLOCK {
+        if lane + T::WIDTH <= count {
             let mut all = aside.each_mut();
             let mut i = 0;
             while i < T::WIDTH {
                 // SAFETY: rows that may be changed are there, as was checked when they were listed
                 // and this was made; none is listed twice, and nothing else has access.
-                all[i] = unsafe { &mut *self.base.add(rows[which][lane + i] as usize) };
+                all[i] = unsafe { &mut *base.add(places[which][lane + i] as usize).cast() };
                 i += 1;
             }
             return scatter_rows::<T, R>(lanes, &mut all);
@@ -215,7 +239,7 @@ impl<R: Octet> Rows<'_, R> {
         let mut i = 0;
         while i < T::WIDTH && lane + i < count {
             // SAFETY: as before.
-            unsafe { *self.base.add(rows[which][lane + i] as usize) = aside[i] };
+            unsafe { *base.add(places[which][lane + i] as usize).cast() = aside[i] };
             i += 1;
         }
     }
@@ -276,16 +300,21 @@ mod tests {
         push_each(true, &[[4, 3]]);
     }
 
+    /// The first row in all lanes but the second.
+    fn second_is(row: u32) -> [u32; BLOCK] {
+        std::array::from_fn(|lane| if lane == 1 { row } else { 0 })
+    }
+
     #[test]
     fn a_row_is_found_where_it_is() {
         let table = [1.0, 2.0, 3.0].map(|x| Sample { number: 10.0 * x, ..Sample::of(x) });
-        let found = gather::<Real, _>(&table, &[0, 2, 1, 0, 0, 0, 0, 0], 1);
+        let found = gather::<Real, _>(&table, &second_is(2), 1);
         assert_eq!((found.vector.x, found.number), (3.0, 30.0));
     }
 
     #[test]
     #[should_panic(expected = "assertion")]
     fn a_row_that_is_not_there_is_not_read() {
-        let _ = gather::<Real, _>(&[Sample::ZERO; 3], &[0, 3, 0, 0, 0, 0, 0, 0], 1);
+        let _ = gather::<Real, _>(&[Sample::ZERO; 3], &second_is(3), 1);
     }
 }

@@ -125,7 +125,7 @@ fn operations_are_those_of_one_number() {
         let mut all = Operations::of(BODIES);
         level.run(&mut all);
         all.check(level);
-        let mut blocks = Operations::of(BODIES / BLOCK * BLOCK);
+        let mut blocks = Operations::of(BODIES / HALF_BLOCK * HALF_BLOCK);
         level.run_in_blocks(&mut blocks);
         blocks.check(level);
     }
@@ -381,11 +381,12 @@ impl Kernel for Gathering {
 #[test]
 fn rows_from_anywhere_are_gathered() {
     for level in available() {
-        let from: Vec<Eight> = (0..16).map(|i| Eight(std::array::from_fn(|c| (100 * i + c) as Real))).collect();
-        let mut gathering = Gathering { from: from.clone(), to: vec![Eight::ZERO; 16] };
+        let from: Vec<Eight> = (0..43).map(|i| Eight(std::array::from_fn(|c| (100 * i + c) as Real))).collect();
+        // Two blocks and half of one.
+        let mut gathering = Gathering { from: from.clone(), to: vec![Eight::ZERO; 5 * HALF_BLOCK] };
         level.run_in_blocks(&mut gathering);
         for (i, row) in gathering.to.iter().enumerate() {
-            assert_eq!(row.0, from[source(i, 16)].0, "{level:?}, row {i}");
+            assert_eq!(row.0, from[source(i, from.len())].0, "{level:?}, row {i}");
         }
     }
 }
@@ -410,14 +411,24 @@ impl Kernel for Swapping<'_> {
 
 #[test]
 fn rows_anywhere_are_overwritten_in_full_blocks_and_others_and_no_other_rows_are() {
-    // Two full blocks and one of four pairs, of rows up to 40; row 42 stands for none.
-    let pairs: Vec<[u32; 2]> = (0..20).map(|i| [(7 * i) % 41, (7 * (i + 20)) % 41]).collect();
+    // Two full blocks, and one that ends in its second half or in its first.
+    for left in [HALF_BLOCK + 3, 4] {
+        let (count, rows) = (2 * BLOCK + left, 89);
+        // Rows up to 88; row 90 stands for none.
+        let pairs: Vec<[u32; 2]> = (0..count).map(|i| [i, i + count].map(|i| (7 * i % rows) as u32)).collect();
+        swap_each(&pairs, rows as u16 + 1);
+    }
+}
+
+/// Swaps the rows of each pair in blocks, and compares with rows swapped pair after pair; `none`
+/// stands for no row.
+fn swap_each(pairs: &[[u32; 2]], none: u16) {
     for level in available() {
         let mut colors = RowColors::default();
-        colors.reset(43);
+        colors.reset(usize::from(none) + 1);
         colors.begin(false);
         pairs.chunks(BLOCK).for_each(|block| colors.push(block.iter().copied()));
-        let before: Vec<Sample> = (0..43).map(sample).collect();
+        let before: Vec<Sample> = (0..=none).map(sample).collect();
         let mut after = before.clone();
         level.run_in_blocks(&mut Swapping(colors.rows(0, &mut after), pairs.len().div_ceil(BLOCK)));
         let mut expected = before;

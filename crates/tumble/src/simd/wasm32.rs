@@ -20,7 +20,7 @@ use super::intrinsics::{lane, tile};
 use super::pair::Pair;
 use super::record::{numbers, set_numbers};
 use super::row_blocks::{Block, blocks};
-use super::{BLOCK, Eight, Kernel, Record, Tile, Widen, one_by_one, row_blocks, tiles};
+use super::{BLOCK, Eight, Kernel, Record, Tile, Widen, row_blocks, tiles};
 use crate::math::Real;
 
 #[cfg(feature = "f64")]
@@ -34,7 +34,7 @@ pub(super) const BASELINE_WIDTHS: [usize; 2] = [Simd128::WIDTH, Real::WIDTH];
 /// Runs a kernel on tiles of one vector; most machines below have 16 registers for them.
 pub(super) fn with_baseline<K: Kernel>(kernel: &mut K) {
     let left = if K::IS_LARGE { 0 } else { tiles::<Simd128, _>(kernel, 0) };
-    one_by_one(kernel, left);
+    kernel.one_by_one(left);
 }
 
 /// Runs a kernel of whole blocks on tiles of one vector.

@@ -14,7 +14,7 @@ pub(crate) trait ColorBlocks: Sized + Send {
 }
 
 /// Fewer blocks are not shared among threads.
-const MIN_PART: usize = 16;
+const MIN_PART: usize = 8;
 
 /// Runs a stage on blocks and their bodies, in parts where threads share the work.
 pub(crate) fn in_parts<B: ColorBlocks>(

@@ -11,7 +11,7 @@ use crate::integrators::derived::symmetric_product;
 use crate::integrators::state::{Constants, Force, Moments, State};
 use crate::math::Real;
 use crate::range::{MAX_IMPULSE, MAX_SPEED, within};
-use crate::simd::{BLOCK, Kernel, Octet, Tile, dispatch_in_blocks, load_rows, store_rows};
+use crate::simd::{HALF_BLOCK, Kernel, Octet, Tile, dispatch, dispatch_in_blocks, load_rows, store_rows};
 use crate::solver::body_rows::{
     BodyMotion, BodyPose, DeltaPose, ForceImpulse, PrincipalMoments, WarmStartImpulse, WorldInverseInertia,
 };
@@ -72,7 +72,7 @@ impl SolverBodies {
     /// Makes room for dynamic bodies and others; all are nowhere at first.
     pub(crate) fn reset(&mut self, dynamic: usize, non_dynamic: usize) {
         self.dynamic = dynamic;
-        let (in_blocks, first_non_dynamic) = (dynamic.next_multiple_of(BLOCK), self.first_non_dynamic());
+        let (in_blocks, first_non_dynamic) = (dynamic.next_multiple_of(HALF_BLOCK), self.first_non_dynamic());
         self.motion.clear();
         self.motion.resize(first_non_dynamic + non_dynamic, BodyMotion::ZERO);
         self.delta_pose.clear();
@@ -98,7 +98,7 @@ impl SolverBodies {
 
     /// The row of the first non-dynamic body. The row before it belongs to no body.
     pub(crate) fn first_non_dynamic(&self) -> usize {
-        self.dynamic.next_multiple_of(BLOCK) + 1
+        self.dynamic.next_multiple_of(HALF_BLOCK) + 1
     }
 
     /// Rows of dynamic bodies, to be set.
@@ -269,7 +269,8 @@ impl SolverBodies {
             inv_inertia.par_chunks_mut(PART).zip(pose.par_chunks_mut(PART)).zip(delta_pose.par_chunks_mut(PART));
         let parts = changed.zip(motion[..rows].par_chunks(PART).zip(inertia.par_chunks(PART)));
         parts.by_at_least(MIN_PARTS).for_each(|(((inv_inertia, pose), delta_pose), (motion, inertia))| {
-            dispatch_in_blocks(&mut IntegratePositions { motion, inv_inertia, pose, inertia, delta_pose, h });
+            // The map that turns a body is a long chain of operations: in pairs tiles wait less.
+            dispatch(&mut IntegratePositions { motion, inv_inertia, pose, inertia, delta_pose, h });
         });
         self.turn_locked(h);
     }

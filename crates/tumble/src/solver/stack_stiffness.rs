@@ -1,5 +1,7 @@
 //! How stiff contacts have to be for what is stacked on them to stand.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 use tumble_collide::MAX_MANIFOLD_POINTS;
 use tumble_math::lane::Vec3;
@@ -10,10 +12,12 @@ use crate::collision::islands::Islands;
 use crate::collision::pipeline::PART;
 use crate::math::Real;
 use crate::settings::Settings;
-use crate::simd::{BLOCK, Kernel, Octet, Tile, dispatch_in_blocks, gather_rows, octet, select_rows, store_rows};
+use crate::simd::{
+    BLOCK, HALF_BLOCK, Kernel, Octet, Tile, dispatch_in_blocks, gather_rows, octet, select_rows, store_rows,
+};
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::contact::softness::Softness;
-use crate::solver::solver_bodies::SolverBodies;
+use crate::solver::solver_bodies::{SolverBodies, SolverRow};
 use crate::storage::body_index::Slot;
 use crate::threads::InParts;
 
@@ -33,6 +37,8 @@ pub(crate) struct Stacks {
     supports: Vec<Support>,
     /// By slot.
     loads: Vec<Load>,
+    /// The upper and the lower body of each contact; no slots where it bears nothing.
+    pairs: Vec<[Slot; 2]>,
     /// Where the supports of each slot begin among `by_upper`.
     begins: Vec<u32>,
     /// The number of a support, and the slot of the lower body.
@@ -158,8 +164,7 @@ impl Stacks {
 
     /// Reads the bodies, by slot; `sides` are two horizontal directions.
     fn read_bodies(&mut self, constrained: &ConstrainedBodies, bodies: &SolverBodies, sides: [Vec3<Real>; 2]) {
-        self.bodies.clear();
-        self.bodies.extend(constrained.rows().map(|row| {
+        let read = |row: Option<SolverRow>| {
             let Some(row) = row else { return StackBody::ZERO };
             let center = bodies.center(row);
             if !bodies.is_dynamic(row) {
@@ -167,38 +172,48 @@ impl Stacks {
             }
             let (inverse_mass, inverse_inertia) = bodies.mobility(row, sides);
             StackBody { center, inverse_mass, inverse_inertia, is_dynamic: 1.0 }
-        }));
+        };
+        self.bodies.resize(constrained.rows().len(), StackBody::ZERO);
+        self.bodies.par_chunks_mut(PART).enumerate().by_at_least(2).for_each(|(part, these)| {
+            let slots = (part * PART) as u32..;
+            slots.map(Slot).zip(these).for_each(|(slot, body)| *body = read(constrained.row(slot)));
+        });
     }
 
     /// Finds which contacts bear which bodies.
     fn find_supports(&mut self, contacts: &[ContactRecord], up: Vec3<Real>, settings: &Settings) {
-        let Self { bodies, supports, begins, by_upper, .. } = self;
+        let Self { bodies, supports, .. } = self;
         let (bodies, sides) = (&**bodies, sides(up));
-        supports.resize(contacts.len().next_multiple_of(BLOCK), Support::ZERO);
+        supports.resize(contacts.len().next_multiple_of(HALF_BLOCK), Support::ZERO);
         let rates = Softness::stiffness(settings.contact_substep().into());
         let parts = supports.par_chunks_mut(PART).zip(contacts.par_chunks(PART));
         parts.by_at_least(2).for_each(|(supports, contacts)| {
             dispatch_in_blocks(&mut Bear { supports, contacts, bodies, up, sides, rates });
         });
-        order_by_upper((supports, contacts), bodies.len(), begins, by_upper);
+        self.order_slots(contacts);
     }
 
-    /// Sums loads from the top down; returns the stiffness that is needed most, over that which
-    /// there is.
-    fn sum_loads(&mut self, up: Vec3<Real>, g: Real) -> Real {
-        let Self { bodies, supports, loads, begins, by_upper, waiting, order, .. } = self;
-        let (bodies, slots) = (&**bodies, loads.len());
-        let supports_of = |slot: Slot| {
-            let range = begins[slot.index()] as usize..begins[slot.index() + 1] as usize;
-            by_upper[range].iter().map(|(index, lower)| (&supports[*index as usize], *lower))
-        };
+    /// Orders supports by the slot of the upper body, keeping their order, and slots so that each
+    /// comes after all that rest on it; kept where the same bodies bear each other as before.
+    fn order_slots(&mut self, contacts: &[ContactRecord]) {
+        let slots = self.bodies.len();
+        let pairs =
+            self.supports.iter().zip(contacts).map(|(support, contact)| upper_and_lower(support, contact.slots));
+        if self.begins.len() == slots + 2 && pairs.clone().eq(self.pairs.iter().copied()) {
+            return;
+        }
+        self.pairs.clear();
+        self.pairs.extend(pairs);
+        let Self { begins, by_upper, pairs, waiting, order, .. } = self;
+        order_by_upper(pairs, slots, begins, by_upper);
+        let supports_of = |slot: Slot| &by_upper[range_of(begins, slot)];
         waiting.clear();
         waiting.resize(slots, 0);
         by_upper.iter().for_each(|(_, lower)| waiting[lower.index()] += 1);
-        let bears_on = |slot: Slot| begins[slot.index()] < begins[slot.index() + 1];
+        let bears_on = |slot: Slot| !range_of(begins, slot).is_empty();
         order.clear();
         order.extend((0..slots as u32).map(Slot).filter(|slot| bears_on(*slot) && waiting[slot.index()] == 0));
-        let (mut most, mut next, mut first_left) = (0.0, 0, 0);
+        let (mut next, mut first_left) = (0, 0);
         loop {
             // Of bodies that bear each other in a ring the one with the lowest slot begins.
             if next == order.len() {
@@ -209,6 +224,27 @@ impl Stacks {
             }
             let slot = order[next];
             next += 1;
+            for (_, lower) in supports_of(slot) {
+                let waiting = &mut waiting[lower.index()];
+                if *waiting == 1 && bears_on(*lower) {
+                    order.push(*lower);
+                }
+                *waiting = waiting.saturating_sub(1);
+            }
+        }
+    }
+
+    /// Sums loads from the top down; returns the stiffness that is needed most, over that which
+    /// there is.
+    fn sum_loads(&mut self, up: Vec3<Real>, g: Real) -> Real {
+        let Self { bodies, supports, loads, begins, by_upper, order, .. } = self;
+        let bodies = &**bodies;
+        let supports_of = |slot: Slot| {
+            let of_slot = by_upper[range_of(begins, slot)].iter();
+            of_slot.map(|(index, lower)| (&supports[*index as usize], *lower))
+        };
+        let mut most = 0.0;
+        for slot in order.iter().copied() {
             let StackBody { center, inverse_mass, .. } = bodies[slot.index()];
             let height = center.dot(up);
             let load = &mut loads[slot.index()];
@@ -236,11 +272,6 @@ impl Stacks {
                 below.weight += share * weight;
                 below.moment += share * moment;
                 below.lean = below.lean.max(lean);
-                let waiting = &mut waiting[lower.index()];
-                if *waiting == 1 && bears_on(lower) {
-                    order.push(lower);
-                }
-                *waiting = waiting.saturating_sub(1);
             }
         }
         most
@@ -423,20 +454,27 @@ fn splat<T: Tile>(v: Vec3<Real>) -> Vec3<T> {
     Vec3::new(T::splat(v.x.into()), T::splat(v.y.into()), T::splat(v.z.into()))
 }
 
+/// The upper and the lower of a contact's bodies; no slots where it bears nothing.
+fn upper_and_lower(support: &Support, [first, second]: [Slot; 2]) -> [Slot; 2] {
+    if support.signed_stiffness == 0.0 {
+        [Slot::NONE; 2]
+    } else if support.signed_stiffness > 0.0 {
+        [second, first]
+    } else {
+        [first, second]
+    }
+}
+
+/// Where the supports of a slot are among those ordered by the upper body.
+fn range_of(begins: &[u32], slot: Slot) -> Range<usize> {
+    begins[slot.index()] as usize..begins[slot.index() + 1] as usize
+}
+
 /// Orders supports by the slot of the upper body, keeping their order.
-fn order_by_upper(
-    (supports, contacts): (&[Support], &[ContactRecord]),
-    slots: usize,
-    begins: &mut Vec<u32>,
-    by_upper: &mut Vec<(u32, Slot)>,
-) {
+fn order_by_upper(pairs: &[[Slot; 2]], slots: usize, begins: &mut Vec<u32>, by_upper: &mut Vec<(u32, Slot)>) {
     let pairs = || {
-        let all = supports.iter().zip(contacts).enumerate();
-        all.filter(|(_, (support, _))| support.signed_stiffness != 0.0).map(|(index, (support, contact))| {
-            let [first, second] = contact.slots;
-            let (upper, lower) = if support.signed_stiffness > 0.0 { (second, first) } else { (first, second) };
-            (upper.index(), (index as u32, lower))
-        })
+        let all = pairs.iter().enumerate().filter(|(_, [upper, _])| *upper != Slot::NONE);
+        all.map(|(index, [upper, lower])| (upper.index(), (index as u32, *lower)))
     };
     begins.clear();
     begins.resize(slots + 2, 0);

@@ -17,7 +17,7 @@ use super::intrinsics::widen_to_four;
 use super::intrinsics::{lane, tile};
 use super::pair::Pair;
 use super::record::{numbers, set_numbers};
-use super::{BLOCK, Eight, Kernel, Record, Tile, Widen, one_by_one, row_blocks, tiles};
+use super::{BLOCK, Eight, Kernel, Record, Tile, Widen, row_blocks, tiles};
 use crate::math::Real;
 
 mod blocks;
@@ -29,7 +29,62 @@ pub(super) const WIDTHS: [usize; 4] = [Avx512::WIDTH, Avx2::WIDTH, Sse2::WIDTH, 
 /// Those of every x86-64 machine.
 pub(super) const BASELINE_WIDTHS: [usize; 2] = [Sse2::WIDTH, Real::WIDTH];
 
-/// Runs a kernel on SSE2 tiles, which every x86-64 machine has.
+/// The code of a kernel for each instruction set. As functions of its type they are compiled in the
+/// units of the kernels' modules, side by side; as functions of this module all would be in one.
+trait Compiled: Kernel + Sized {
+    /// Runs it on AVX-512 tiles, and returns the first row that is left.
+    ///
+    /// # Safety
+    /// The machine has AVX-512F.
+    #[target_feature(enable = "avx512f")]
+    unsafe fn avx512_tiles(&mut self) -> usize {
+        align_the_stack();
+        let left = tiles::<Pair<Avx512>, _>(self, 0);
+        tiles::<Avx512, _>(self, left)
+    }
+
+    /// Runs it on AVX2 tiles from row `first` on, and returns the first row that is left.
+    ///
+    /// # Safety
+    /// The machine has AVX2.
+    #[target_feature(enable = "avx2")]
+    unsafe fn avx2_tiles(&mut self, first: usize) -> usize {
+        align_the_stack();
+        let left = tiles::<Pair<Avx2>, _>(self, first);
+        tiles::<Avx2, _>(self, left)
+    }
+
+    /// Runs it on SSE2 tiles from row `first` on, which every x86-64 machine has, and returns the
+    /// first row that is left.
+    fn sse2_tiles(&mut self, first: usize) -> usize {
+        tiles::<Sse2, _>(self, first)
+    }
+
+    /// Runs it on AVX-512 tiles that are no wider than a block, and returns the first row that is
+    /// left.
+    ///
+    /// # Safety
+    /// The machine has AVX-512F.
+    #[target_feature(enable = "avx512f")]
+    unsafe fn avx512_blocks(&mut self) -> usize {
+        align_the_stack();
+        tiles::<Avx512, _>(self, 0)
+    }
+
+    /// Runs it on AVX2 tiles from row `first` on, of which whole halves of blocks are left.
+    ///
+    /// # Safety
+    /// The machine has AVX2.
+    #[target_feature(enable = "avx2")]
+    unsafe fn avx2_blocks(&mut self, first: usize) {
+        align_the_stack();
+        tiles::<Avx2, _>(self, first);
+    }
+}
+
+impl<K: Kernel> Compiled for K {}
+
+/// Runs a kernel on SSE2 tiles.
 pub(super) fn with_baseline(kernel: &mut impl Kernel) {
     sse2_from(kernel, 0);
 }
@@ -41,16 +96,10 @@ pub(super) fn with_avx2(kernel: &mut impl Kernel) {
 
 /// Runs a kernel on AVX-512 tiles, or on AVX2 tiles where the machine has no AVX-512F.
 pub(super) fn with_avx512(kernel: &mut impl Kernel) {
-    #[target_feature(enable = "avx512f")]
-    fn enabled(kernel: &mut impl Kernel) -> usize {
-        align_the_stack();
-        let left = tiles::<Pair<Avx512>, _>(kernel, 0);
-        tiles::<Avx512, _>(kernel, left)
-    }
     let mut left = 0;
     if kernel.len() >= Avx512::WIDTH && std::arch::is_x86_feature_detected!("avx512f") {
         // SAFETY: the machine has AVX-512F.
-        left = unsafe { enabled(kernel) };
+        left = unsafe { kernel.avx512_tiles() };
     }
     avx2_from(kernel, left);
 }
@@ -58,16 +107,10 @@ pub(super) fn with_avx512(kernel: &mut impl Kernel) {
 /// Runs a kernel from row `first` on. What each instruction set leaves over goes to the code of the
 /// next narrower one, which is compiled once and not once more for those that it is left by.
 fn avx2_from(kernel: &mut impl Kernel, first: usize) {
-    #[target_feature(enable = "avx2")]
-    fn enabled(kernel: &mut impl Kernel, first: usize) -> usize {
-        align_the_stack();
-        let left = tiles::<Pair<Avx2>, _>(kernel, first);
-        tiles::<Avx2, _>(kernel, left)
-    }
     let mut left = first;
     if kernel.len() >= first + Avx2::WIDTH && std::arch::is_x86_feature_detected!("avx2") {
         // SAFETY: the machine has AVX2.
-        left = unsafe { enabled(kernel, first) };
+        left = unsafe { kernel.avx2_tiles(first) };
     }
     sse2_from(kernel, left);
 }
@@ -75,47 +118,43 @@ fn avx2_from(kernel: &mut impl Kernel, first: usize) {
 fn sse2_from(kernel: &mut impl Kernel, first: usize) {
     let mut left = first;
     if kernel.len() >= first + Sse2::WIDTH {
-        left = tiles::<Sse2, _>(kernel, first);
+        left = kernel.sse2_tiles(first);
     }
-    one_by_one(kernel, left);
+    kernel.one_by_one(left);
 }
 
 /// Runs a kernel of whole blocks one by one: few machines are without AVX2, and each instruction
 /// set more is half a minute of compiling.
 pub(super) fn blocks_with_baseline(kernel: &mut impl Kernel) {
-    one_by_one(kernel, 0);
+    kernel.one_by_one(0);
 }
 
 /// Runs a kernel of whole blocks on AVX2 tiles, or one by one where the machine has no AVX2.
 pub(super) fn blocks_with_avx2(kernel: &mut impl Kernel) {
-    #[target_feature(enable = "avx2")]
-    fn enabled(kernel: &mut impl Kernel) {
-        align_the_stack();
-        tiles::<Avx2, _>(kernel, 0);
+    avx2_blocks_from(kernel, 0);
+}
+
+/// Runs a kernel of whole blocks on AVX-512 tiles, and on AVX2 tiles the half of a block that they
+/// leave over.
+pub(super) fn blocks_with_avx512(kernel: &mut impl Kernel) {
+    let mut left = 0;
+    if kernel.len() >= Avx512::WIDTH && std::arch::is_x86_feature_detected!("avx512f") {
+        // SAFETY: the machine has AVX-512F.
+        left = unsafe { kernel.avx512_blocks() };
+    }
+    avx2_blocks_from(kernel, left);
+}
+
+fn avx2_blocks_from(kernel: &mut impl Kernel, first: usize) {
+    if first >= kernel.len() {
+        return;
     }
     if std::arch::is_x86_feature_detected!("avx2") {
         // SAFETY: the machine has AVX2.
-        unsafe { enabled(kernel) }
+        unsafe { kernel.avx2_blocks(first) }
     } else {
-        blocks_with_baseline(kernel);
+        kernel.one_by_one(first);
     }
-}
-
-/// Runs a kernel of whole blocks on AVX-512 tiles where they are as wide as a block, which they are
-/// in double precision, else as if there were only AVX2.
-pub(super) fn blocks_with_avx512(kernel: &mut impl Kernel) {
-    #[cfg(feature = "f64")]
-    #[target_feature(enable = "avx512f")]
-    fn enabled(kernel: &mut impl Kernel) {
-        align_the_stack();
-        tiles::<Avx512, _>(kernel, 0);
-    }
-    #[cfg(feature = "f64")]
-    if std::arch::is_x86_feature_detected!("avx512f") {
-        // SAFETY: the machine has AVX-512F.
-        return unsafe { enabled(kernel) };
-    }
-    blocks_with_avx2(kernel);
 }
 
 /// Has the function that this is inlined into keep its stack at multiples of 64 bytes. The compiler
@@ -204,16 +243,24 @@ pub(super) fn fours_with_baseline(kernel: impl FourKernel) {
     kernel.run::<PortableFour>();
 }
 
+/// The code of a kernel of fours, [as of others](Compiled).
+trait CompiledFours: FourKernel + Sized {
+    /// # Safety
+    /// The machine has AVX2.
+    #[target_feature(enable = "avx2")]
+    unsafe fn avx2_fours(self) {
+        align_the_stack();
+        self.run::<Avx2Four>();
+    }
+}
+
+impl<K: FourKernel> CompiledFours for K {}
+
 /// Runs a kernel of fours with AVX2, or without where the machine has none.
 pub(super) fn fours_with_avx2(kernel: impl FourKernel) {
-    #[target_feature(enable = "avx2")]
-    fn enabled(kernel: impl FourKernel) {
-        align_the_stack();
-        kernel.run::<Avx2Four>();
-    }
     if std::arch::is_x86_feature_detected!("avx2") {
         // SAFETY: the machine has AVX2.
-        unsafe { enabled(kernel) }
+        unsafe { kernel.avx2_fours() }
     } else {
         fours_with_baseline(kernel);
     }

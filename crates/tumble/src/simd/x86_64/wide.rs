@@ -9,6 +9,11 @@
 //! number of W rows.
 
 use std::arch::x86_64::_mm512_loadu_si512;
+#[cfg(not(feature = "f64"))]
+use std::arch::x86_64::{
+    _mm256_loadu_pd, _mm256_storeu_pd, _mm512_castpd_ps, _mm512_castpd256_pd512, _mm512_castpd512_pd256,
+    _mm512_castps_pd, _mm512_extractf64x4_pd, _mm512_insertf64x4,
+};
 
 use super::Record;
 use crate::math::Real;
@@ -326,24 +331,74 @@ pub(super) unsafe fn load_rows<const N: usize>(base: *const Real, stride: usize)
     }
 }
 
-/// Loads the first `N` numbers of rows that are anywhere, each a vector of its own as it is in
-/// double precision.
+/// Loads the first `N` numbers of rows that are anywhere.
 ///
 /// # Safety
 /// The machine has AVX-512F.
 #[inline(always)]
 pub(super) unsafe fn gather_rows<const N: usize>(rows: &[&Eight; BLOCK]) -> [Vector; N] {
-    const { assert!(WIDTH == BLOCK) };
-    // SAFETY: a row of eight is as long as a vector; and the caller's promise.
-    let mut v = [unsafe { load(rows[0].0.as_ptr()) }; 8];
+    // SAFETY: the caller's promise.
+    let mut v = [unsafe { joined(rows, 0) }; 8];
     let mut k = 1;
     while k < 8 {
         // SAFETY: as before.
-        v[k] = unsafe { load(rows[k].0.as_ptr()) };
+        v[k] = unsafe { joined(rows, k) };
         k += 1;
     }
     // SAFETY: the caller's promise.
     first(unsafe { unzip_rows::<8>(v) })
+}
+
+/// The rows that vector `k` has: two of them.
+///
+/// # Safety
+/// The machine has AVX-512F.
+#[cfg(not(feature = "f64"))]
+#[inline(always)]
+unsafe fn joined(rows: &[&Eight; BLOCK], k: usize) -> Vector {
+    // SAFETY: a row of eight is as long as half a vector; and the caller's promise.
+    unsafe {
+        let low = _mm256_loadu_pd(rows[2 * k].0.as_ptr().cast());
+        let high = _mm256_loadu_pd(rows[2 * k + 1].0.as_ptr().cast());
+        _mm512_castpd_ps(_mm512_insertf64x4::<1>(_mm512_castpd256_pd512(low), high))
+    }
+}
+
+/// The row that vector `k` has.
+///
+/// # Safety
+/// The machine has AVX-512F.
+#[cfg(feature = "f64")]
+#[inline(always)]
+unsafe fn joined(rows: &[&Eight; BLOCK], k: usize) -> Vector {
+    // SAFETY: a row of eight is as long as a vector; and the caller's promise.
+    unsafe { load(rows[k].0.as_ptr()) }
+}
+
+/// The inverse of [`joined`].
+///
+/// # Safety
+/// The machine has AVX-512F.
+#[cfg(not(feature = "f64"))]
+#[inline(always)]
+unsafe fn part(vector: Vector, rows: &mut [&mut Eight; BLOCK], k: usize) {
+    // SAFETY: a row of eight is as long as half a vector; and the caller's promise.
+    unsafe {
+        let both = _mm512_castps_pd(vector);
+        _mm256_storeu_pd(rows[2 * k].0.as_mut_ptr().cast(), _mm512_castpd512_pd256(both));
+        _mm256_storeu_pd(rows[2 * k + 1].0.as_mut_ptr().cast(), _mm512_extractf64x4_pd::<1>(both));
+    }
+}
+
+/// The inverse of [`joined`].
+///
+/// # Safety
+/// The machine has AVX-512F.
+#[cfg(feature = "f64")]
+#[inline(always)]
+unsafe fn part(vector: Vector, rows: &mut [&mut Eight; BLOCK], k: usize) {
+    // SAFETY: a row of eight is as long as a vector; and the caller's promise.
+    unsafe { store(rows[k].0.as_mut_ptr(), vector) };
 }
 
 /// Stores what [`load_rows`] loads.
@@ -378,13 +433,13 @@ pub(super) unsafe fn store_rows<const N: usize>(numbers: [Vector; N], base: *mut
 /// The machine has AVX-512F.
 #[inline(always)]
 pub(super) unsafe fn scatter_rows<const N: usize>(numbers: [Vector; N], rows: &mut [&mut Eight; BLOCK]) {
-    const { assert!(WIDTH == BLOCK && N == 8) };
+    const { assert!(WIDTH <= BLOCK && N == 8) };
     // SAFETY: the caller's promise.
     let vectors = unsafe { zip_rows::<8>(first(numbers)) };
     let mut k = 0;
     while k < 8 {
-        // SAFETY: a row of eight is as long as a vector; and the caller's promise.
-        unsafe { store(rows[k].0.as_mut_ptr(), vectors[k]) };
+        // SAFETY: the caller's promise.
+        unsafe { part(vectors[k], rows, k) };
         k += 1;
     }
 }

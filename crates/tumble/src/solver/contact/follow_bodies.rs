@@ -20,6 +20,11 @@ impl<const P: usize, const C: usize> Kernel for Follow<'_, P, C> {
     }
 
     #[inline(always)]
+    fn is_empty(&self, i: usize) -> bool {
+        self.bodies.motion.is_empty(i / BLOCK, i % BLOCK)
+    }
+
+    #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let (bodies, inv_inertia) = self.bodies.load::<T>(index, lane, self.blocks.locks);

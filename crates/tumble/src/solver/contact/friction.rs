@@ -119,7 +119,7 @@ impl<T: Tile> FrictionImpulse<T> {
     /// velocity, `(u, radius r)`, as the ellipsoid has it: what would stop it in one go, with all
     /// the tipping of the body that goes with that, points elsewhere.
     #[inline(always)]
-    pub(crate) fn slid(
+    pub(crate) fn slid<const P: usize>(
         &self,
         friction: &Friction,
         (frame, lane): (&ContactFrame<T>, usize),
@@ -136,10 +136,17 @@ impl<T: Tile> FrictionImpulse<T> {
         let has_patch = zero.lt(radius);
         let twisting_mass: T = at(&friction.twisting_mass, lane);
         let spin = frame.normal.dot(motion.angular);
-        let twist = T::select(has_patch, self.twist - twisting_mass * spin, zero);
-        let reach = T::select(has_patch, twist / radius, zero);
+        let (mut twist, mut reach) = (zero, zero);
+        // One point is no patch.
+        if P > 1 {
+            twist = T::select(has_patch, self.twist - twisting_mass * spin, zero);
+            reach = T::select(has_patch, twist / radius, zero);
+        }
         let hold = at::<T>(&friction.limits[0], lane) * normal;
         let slips = hold.lt((u * u + v * v + reach * reach).sqrt());
+        if !T::any(slips) {
+            return Self { sliding: [u, v], twist, ..*self };
+        }
 
         // With one mass for all directions, the inverse of the mean of what impulses along them do:
         // more would turn the slip around where the directions differ.

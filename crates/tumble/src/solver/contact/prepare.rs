@@ -38,6 +38,11 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
     }
 
     #[inline(always)]
+    fn is_empty(&self, i: usize) -> bool {
+        self.bodies.motion.is_empty(i / BLOCK, i % BLOCK)
+    }
+
+    #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let (zero, one) = (T::splat(0.0), T::splat(1.0));

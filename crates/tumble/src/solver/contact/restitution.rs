@@ -42,6 +42,11 @@ impl<const P: usize, const C: usize> Kernel for RecordApproachSpeed<'_, P, C> {
     }
 
     #[inline(always)]
+    fn is_empty(&self, i: usize) -> bool {
+        self.bodies.motion.is_empty(i / BLOCK, i % BLOCK)
+    }
+
+    #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &mut self.blocks.blocks[index];
@@ -95,6 +100,11 @@ impl<const P: usize, const C: usize> Kernel for ApplyRestitution<'_, P, C> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.blocks.bounces.len() * BLOCK
+    }
+
+    #[inline(always)]
+    fn is_empty(&self, i: usize) -> bool {
+        self.bodies.motion.is_empty(i / BLOCK, i % BLOCK)
     }
 
     #[inline(always)]

@@ -126,6 +126,11 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
     }
 
     #[inline(always)]
+    fn is_empty(&self, i: usize) -> bool {
+        self.bodies.motion.is_empty(i / BLOCK, i % BLOCK)
+    }
+
+    #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &mut self.blocks.blocks[index];
@@ -343,7 +348,7 @@ pub(crate) fn apply_friction<T: Tile, const P: usize, const C: usize>(
         friction = before.rolled(rolling, contact, &bodies.relative(inv_inertia, arms), normal);
         bodies.push(arms, Vec3::zero(), friction.angular(frame) - before.angular(frame));
     }
-    let after = friction.slid(&block.friction, contact, &bodies.relative(inv_inertia, arms).less(lag), normal);
+    let after = friction.slid::<P>(&block.friction, contact, &bodies.relative(inv_inertia, arms).less(lag), normal);
     let linear = after.linear(frame) - friction.linear(frame);
     bodies.push(arms, linear, after.angular(frame) - friction.angular(frame));
     after

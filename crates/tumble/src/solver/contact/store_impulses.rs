@@ -20,6 +20,11 @@ impl<const P: usize, const C: usize> Kernel for StoreImpulses<'_, P, C> {
     }
 
     #[inline(always)]
+    fn is_empty(&self, i: usize) -> bool {
+        self.blocks.blocks[i / BLOCK].count <= i % BLOCK
+    }
+
+    #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &self.blocks.blocks[index];

@@ -147,7 +147,9 @@ pub(crate) fn met_arms<T: Tile, const P: usize>(rule: T, normal: Vec3<T>, arms: 
         return arms;
     }
     let meeting = is_rule(rule, UpdateRule::MeetingCenters);
-    arms.map(|arm| Vec3::select(meeting, normal * normal.dot(arm), arm))
+    let [first, second] = arms;
+    let along_normal = [normal * normal.dot(first), normal * normal.dot(second)];
+    [Vec3::select(meeting, along_normal[0], first), Vec3::select(meeting, along_normal[1], second)]
 }
 
 /// The contact of balls, along the line of their centres.

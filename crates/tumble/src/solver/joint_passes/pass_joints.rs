@@ -56,6 +56,11 @@ impl<const R: usize, const M: usize> Kernel for PrepareJoints<'_, R, M> {
     }
 
     #[inline(always)]
+    fn is_empty(&self, i: usize) -> bool {
+        self.bodies.motion.is_empty(i / BLOCK, i % BLOCK)
+    }
+
+    #[inline(always)]
     fn tile<T: Tile>(&mut self, i: usize) {
         let (index, lane) = (i / BLOCK, i % BLOCK);
         let block = &mut self.blocks.blocks[index];
@@ -84,6 +89,11 @@ impl<const R: usize, const M: usize> Kernel for PassJoints<'_, R, M> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.blocks.blocks.len() * BLOCK
+    }
+
+    #[inline(always)]
+    fn is_empty(&self, i: usize) -> bool {
+        self.bodies.motion.is_empty(i / BLOCK, i % BLOCK)
     }
 
     #[inline(always)]
