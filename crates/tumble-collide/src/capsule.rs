@@ -25,6 +25,8 @@ pub(crate) struct Rod<R> {
 const ONE_POINT: f64 = 32.0;
 /// The square of a shorter length \[m\] may not be a normal number in either precision.
 const MIN_DISTANCE: f64 = 1e-18;
+/// The most points that an edge and another, or a face, have in common, and the nearest.
+const MOST_SHARED: usize = 3;
 /// By how much more \[m\] an edge of a box must separate than a face to be taken.
 const EDGE_LEAD: f64 = 5e-4;
 
@@ -38,7 +40,7 @@ impl<R: Scalar> Rod<R> {
         self.center + self.half * t
     }
 
-    fn feature(&self) -> Feature<R> {
+    fn feature(&self) -> Feature<R, 2> {
         Feature::segment(self.center - self.half, self.center + self.half)
     }
 
@@ -90,7 +92,8 @@ pub(crate) fn capsule_and_capsule<R: Scalar>(first: &Rod<R>, second: &Rod<R>, ma
     let separation = distance - (layers[0] + layers[1]);
     let nearest = (on_first + normal * layers[0] + on_second - normal * layers[1]) * half;
     let face_clipping = FaceClipping { normal, separation, layers, margin };
-    face_clipping.manifold(&first.feature(), &second.feature(), nearest, R::splat(0.0)).carried_by_both()
+    let (first, second) = (first.feature(), second.feature());
+    face_clipping.manifold_of::<2, 2, MOST_SHARED>(&first, &second, nearest, R::splat(0.0)).carried_by_both()
 }
 
 /// The nearest points of two axes; of parallel ones, some that are nearest.
@@ -145,7 +148,8 @@ pub(crate) fn cuboid_and_capsule<R: Scalar>(
     };
     let face_clipping = FaceClipping { normal, separation: between - rod.radius, layers: [zero, rod.radius], margin };
     let middle = nearest + normal * ((between - rod.radius) * half);
-    let manifold = face_clipping.manifold(&Feature::of_cuboid(h, normal), &local.feature(), middle, zero);
+    let face = Feature::of_cuboid(h, normal);
+    let manifold = face_clipping.manifold_of::<4, 2, MOST_SHARED>(&face, &local.feature(), middle, zero);
     manifold.seen(|point| at.to_world(point), |v| at.orientation.rotate(v))
 }
 

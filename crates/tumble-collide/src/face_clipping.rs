@@ -59,6 +59,7 @@ struct Left<R> {
 }
 
 /// Up to `M` of something.
+#[derive(Clone)]
 pub(crate) struct List<T, const M: usize> {
     items: [T; M],
     len: usize,
@@ -226,10 +227,13 @@ fn cut<R: Scalar, const N: usize, const K: usize, const M: usize>(
         }
         [from, to] => cut_line([*from, *to], face, outwards, &mut share),
         corners => {
-            let mut polygon: List<Left<R>, M> = List::of(Left { at: Vec3::zero(), edge: 0 });
+            let nothing: List<Left<R>, M> = List::of(Left { at: Vec3::zero(), edge: 0 });
+            let (mut polygon, mut cut) = (&mut nothing.clone(), &mut nothing.clone());
             corners.iter().for_each(|corner| polygon.push(Left { at: corner.at, edge: corner.id & ID }));
             for (id, out, from) in sides(face, outwards) {
-                clip(&mut polygon, CUTTING | id, |at| out.dot(at - from));
+                if clip(polygon, cut, CUTTING | id, |at| out.dot(at - from)) {
+                    std::mem::swap(&mut polygon, &mut cut);
+                }
             }
             let left = polygon.items();
             for (index, corner) in left.iter().enumerate() {
@@ -286,20 +290,25 @@ fn cut_line<R: Scalar, const K: usize>(
     }
 }
 
-/// Leaves of a polygon what is where `beyond` is not positive; the side that cuts is called `edge`.
-fn clip<R: Scalar, const M: usize>(polygon: &mut List<Left<R>, M>, edge: u32, beyond: impl Fn(Vec3<R>) -> R) {
+/// Whether any of a polygon is where `beyond` is positive; then `left` is what of it is not. The side
+/// that cuts is called `edge`.
+fn clip<R: Scalar, const M: usize>(
+    polygon: &List<Left<R>, M>,
+    left: &mut List<Left<R>, M>,
+    edge: u32,
+    beyond: impl Fn(Vec3<R>) -> R,
+) -> bool {
     let (zero, corners) = (R::splat(0.0), polygon.items());
     let mut heights = [zero; M];
     heights.iter_mut().zip(corners).for_each(|(height, corner)| *height = beyond(corner.at));
     let heights = &heights[..corners.len()];
     if heights.iter().all(|height| *height <= zero) {
-        return;
+        return false;
     }
+    left.len = 0;
     if !heights.iter().any(|height| *height <= zero) {
-        polygon.len = 0;
-        return;
+        return true;
     }
-    let mut left = List::of(Left { at: Vec3::zero(), edge: 0 });
     let mut last = corners.len() - 1;
     for (index, corner) in corners.iter().enumerate() {
         let (before, from, to) = (corners[last], heights[last], heights[index]);
@@ -313,5 +322,5 @@ fn clip<R: Scalar, const M: usize>(polygon: &mut List<Left<R>, M>, edge: u32, be
         }
         last = index;
     }
-    *polygon = left;
+    true
 }

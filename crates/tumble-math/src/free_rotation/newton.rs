@@ -86,7 +86,7 @@ impl<L: Lane> Solver<L> for Newton<L> {
     }
 
     #[inline(always)]
-    fn short_shrinkage(uu: L) -> L {
+    fn short_shrinkage(&self, uu: L) -> L {
         let one = L::splat(1.0);
         let s = (one + uu).sqrt();
         // Without the cancellation of 1/s - 1.
@@ -94,8 +94,8 @@ impl<L: Lane> Solver<L> for Newton<L> {
     }
 
     #[inline(always)]
-    fn shrinkage(_: L, uu: L) -> L {
-        Self::short_shrinkage(uu)
+    fn shrinkage(&self, _: L, uu: L) -> L {
+        self.short_shrinkage(uu)
     }
 
     #[inline(always)]

@@ -24,10 +24,10 @@ pub(super) trait Solver<L: Lane>: Copy {
     fn turn(&self, invariants: (L, L), kappa: L, b: Vec3<L>) -> Vec3<L>;
 
     /// `1/sqrt(1 + u^2) - 1` of a short step, from `u^2`.
-    fn short_shrinkage(uu: L) -> L;
+    fn short_shrinkage(&self, uu: L) -> L;
 
     /// The same where kappa is at most [`LARGEST_KAPPA`](super::LARGEST_KAPPA).
-    fn shrinkage(kappa: L, uu: L) -> L;
+    fn shrinkage(&self, kappa: L, uu: L) -> L;
 
     /// The angles `h w_j`; `to_drive` is what takes `y` to `b`.
     fn angles(&self, y: Vec3<L>, to_drive: L) -> Vec3<L>;

@@ -15,7 +15,14 @@ pub(super) struct Sweeps<L> {
     t3: L,
     /// `2/e`.
     twice_inverse_e: L,
+    /// Whether squares of what is negligible are left out; see [`FreeRotation::for_resting`].
+    ///
+    /// [`FreeRotation::for_resting`]: super::FreeRotation::for_resting
+    skips_negligible: bool,
 }
+
+/// A kappa and a `|u|^2` below this are lost beside one in any sum here.
+const NEGLIGIBLE: f64 = 1e-15;
 
 /// How many sweeps follow the first three where a step is not short.
 const FURTHER_SWEEPS: u32 = 5;
@@ -32,12 +39,32 @@ impl<L: Lane> Sweeps<L> {
             t2: t12 + (t.x + t.y) * t.z,
             t3: t12 * t.z,
             twice_inverse_e: (i.x * i.y) * (i.z + i.z),
+            skips_negligible: false,
         }
+    }
+
+    #[inline(always)]
+    pub(super) fn for_resting(self) -> Self {
+        Self { skips_negligible: true, ..self }
+    }
+
+    /// Zero where `size` is negligible, if that is to be left out.
+    #[inline(always)]
+    fn significant(&self, number: L, size: L) -> L {
+        if self.skips_negligible { L::select(size.lt(L::splat(NEGLIGIBLE)), L::splat(0.0), number) } else { number }
+    }
+
+    /// `|v|^2` as the polynomials take it.
+    #[inline(always)]
+    fn square(&self, v: Vec3<L>) -> L {
+        let n = v.dot(v);
+        self.significant(n, n)
     }
 
     /// `D_j = 1/J_j = alpha/I_j + delta`, for the sixth order.
     #[inline(always)]
-    fn modified(&self, (x, y): (L, L)) -> Vec3<L> {
+    fn modified(&self, (x, y): (L, L), kappa: L) -> Vec3<L> {
+        let (x, y) = (self.significant(x, kappa), self.significant(y, kappa));
         let (one, third, thirtieth) = (L::splat(1.0), L::splat(1.0 / 3.0), L::splat(1.0 / 30.0));
         let (three, four) = (L::splat(3.0), L::splat(4.0));
         let (p, t3_x, four_y, yy) = (self.t2 * x, self.t3 * x, four * y, y * y);
@@ -54,9 +81,9 @@ impl<L: Lane> Sweeps<L> {
     fn begin(&self, d: Vec3<L>, c: Vec3<L>, kappa: L, b: Vec3<L>) -> (Vec3<L>, L) {
         // The first has J = I and |u|^2 = kappa, so that it waits for neither.
         let first = sweep(b, b, differences(self.inverses) * (L::splat(1.0) + kappa));
-        let c = c * short_stretch(d.scale(first));
+        let c = c * short_stretch(self.square(d.scale(first)));
         let second = sweep(first, b, c);
-        (sweep(second, b, c), short_stretch(d.scale(second)))
+        (sweep(second, b, c), short_stretch(self.square(d.scale(second))))
     }
 }
 
@@ -81,7 +108,7 @@ impl<L: Lane> Solver<L> for Sweeps<L> {
 
     #[inline(always)]
     fn short_turn(&self, invariants: (L, L), kappa: L, b: Vec3<L>) -> Vec3<L> {
-        let d = self.modified(invariants);
+        let d = self.modified(invariants, kappa);
         let c = differences(d);
         let (a, s) = self.begin(d, c, kappa, b);
         end(a, s, d, c, b)
@@ -89,12 +116,12 @@ impl<L: Lane> Solver<L> for Sweeps<L> {
 
     #[inline(always)]
     fn turn(&self, invariants: (L, L), kappa: L, b: Vec3<L>) -> Vec3<L> {
-        let d = self.modified(invariants);
+        let d = self.modified(invariants, kappa);
         let c = differences(d);
         let (mut a, mut s) = self.begin(d, c, kappa, b);
         let is_short = kappa.lt(L::splat(Self::LARGEST_SHORT_KAPPA));
         for _ in 0..FURTHER_SWEEPS {
-            let next_s = stretch(d.scale(a));
+            let next_s = stretch(self.square(d.scale(a)));
             let next_a = sweep(a, b, c * next_s);
             a = Vec3::select(is_short, a, next_a);
             s = L::select(is_short, s, next_s);
@@ -109,16 +136,17 @@ impl<L: Lane> Solver<L> for Sweeps<L> {
 
     /// Off by `6e-9 u^2`.
     #[inline(always)]
-    fn short_shrinkage(v: L) -> L {
-        v * ((L::splat(-0.499_999_994_648) + v * L::splat(0.374_988_769_6)) + (v * v) * L::splat(-0.309_005_36))
+    fn short_shrinkage(&self, v: L) -> L {
+        let w = self.significant(v, v);
+        v * ((L::splat(-0.499_999_994_648) + w * L::splat(0.374_988_769_6)) + (w * w) * L::splat(-0.309_005_36))
     }
 
     #[inline(always)]
-    fn shrinkage(kappa: L, v: L) -> L {
+    fn shrinkage(&self, kappa: L, v: L) -> L {
         let one = L::splat(1.0);
         let root = (one + v).sqrt();
         let exact = -(v / (root * (one + root)));
-        L::select(kappa.lt(L::splat(Self::LARGEST_SHORT_KAPPA)), Self::short_shrinkage(v), exact)
+        L::select(kappa.lt(L::splat(Self::LARGEST_SHORT_KAPPA)), self.short_shrinkage(v), exact)
     }
 
     #[inline(always)]
@@ -149,17 +177,15 @@ fn end<L: Lane>(a: Vec3<L>, s: L, d: Vec3<L>, c: Vec3<L>, b: Vec3<L>) -> Vec3<L>
     d.scale(sweep(a, b, c * s) * s)
 }
 
-/// `1 + |u|^2` of a short step, from `D a = u/(1 + |u|^2)`; off by `3e-7 |u|^2`.
+/// `1 + |u|^2` of a short step, from the square of `D a = u/(1 + |u|^2)`; off by `3e-7 |u|^2`.
 #[inline(always)]
-fn short_stretch<L: Lane>(v: Vec3<L>) -> L {
-    let n = v.dot(v);
+fn short_stretch<L: Lane>(n: L) -> L {
     L::splat(1.0) + n * ((L::splat(1.000_000_293) + n * L::splat(1.999_391_616)) + (n * n) * L::splat(5.186_406_06))
 }
 
 /// The same where kappa is at most [`LARGEST_KAPPA`](super::LARGEST_KAPPA); off by `2e-7 |u|^2`.
 #[inline(always)]
-fn stretch<L: Lane>(v: Vec3<L>) -> L {
-    let n = v.dot(v);
+fn stretch<L: Lane>(n: L) -> L {
     let nn = n * n;
     let low = L::splat(0.999_999_824_5) + n * L::splat(2.000_148_382_9);
     let middle = L::splat(4.979_755_529) + n * L::splat(14.996_610_998);
@@ -175,6 +201,8 @@ mod tests {
     /// is `sqrt(6 kappa)`, of a disc about its axis.
     #[test]
     fn polynomials_are_their_functions() {
+        let ball = Vec3::splat(1.0);
+        let solver = Sweeps::new(&Ratios::new(ball, ball));
         let largest = |kappa: f64| (0.5 * (6.0 * kappa).sqrt()).tan().powi(2);
         let error = |found: f64, exact: f64, uu: f64| (found - exact).abs() / uu;
         for (is_short, kappa, allowed) in
@@ -183,9 +211,9 @@ mod tests {
             for step in 1..=1000 {
                 let uu = largest(kappa) * f64::from(step) / 1000.0;
                 let da = Vec3::new(uu.sqrt() / (1.0 + uu), 0.0, 0.0);
-                let s = if is_short { short_stretch(da) } else { stretch(da) };
+                let s = if is_short { short_stretch(da.dot(da)) } else { stretch(da.dot(da)) };
                 let exact = 1.0 / (1.0 + uu).sqrt() - 1.0;
-                let shrinkage = if is_short { Sweeps::short_shrinkage(uu) } else { Sweeps::shrinkage(kappa, uu) };
+                let shrinkage = if is_short { solver.short_shrinkage(uu) } else { solver.shrinkage(kappa, uu) };
                 let errors = [error(s, 1.0 + uu, uu), error(shrinkage, exact, uu)];
                 let slack = 4.0 * f64::EPSILON / uu;
                 assert!(errors[0] <= allowed[0] && errors[1] <= allowed[1] + slack, "{kappa}, {uu}: {errors:?}");

@@ -419,7 +419,7 @@ impl Kernel for IntegratePositions<'_> {
         let delta = load_rows::<T, _>(&self.delta_pose[i..]);
 
         let way = motion.momentum * motion.inverse_mass * h;
-        let rotation = FreeRotation::new(moments, inverse_moments, None, h);
+        let rotation = FreeRotation::new(moments, inverse_moments, None, h).for_resting();
         let before = pose.orientation;
         let q = rotation.rotate(before, motion.angular_momentum * turns);
         store_rows(BodyPose { orientation: q, ..pose }, &mut self.pose[i..]);
