@@ -8,7 +8,6 @@ use crate::collision::collider::Collider;
 use crate::collision::collider_state::{Activity, ColliderState, Motion};
 use crate::collision::narrow_phase::LaneKind;
 use crate::collision::update_aabbs::{AabbUpdate, Intervals, drop_of, margin_of, turning};
-use crate::components::Velocity;
 use crate::integrators::clear_range::are_clearly_in_range;
 use crate::integrators::state::Constants;
 use crate::math::{Real, Vec3 as WorldVec3};
@@ -159,7 +158,10 @@ impl AabbTiles<'_, '_> {
         let update = &mut *self.update;
         let center = Vec3::from(self.bodies.pose[i].position);
         let placement = Isometry { position: center, orientation };
-        let velocity = self.bodies.velocity.map_or(Velocity::default(), |velocities| velocities[i]);
+        let velocity = match self.bodies.velocity {
+            Some(velocities) => (velocities[i].linear.into(), velocities[i].angular.into()),
+            None => (Vec3::zero(), Vec3::zero()),
+        };
         let is_ball = update.shapes[i].is_ball > 0.0;
         update.states[i] = ColliderState {
             placement,
@@ -170,7 +172,7 @@ impl AabbTiles<'_, '_> {
             reach: way.reach,
             margin: way.margin,
             half_thickness: turn.half_thickness,
-            velocity: (velocity.linear.into(), velocity.angular.into()),
+            velocity,
             motion: Motion { way: way.way, drop: way.drop, turn: turn.turn, radius: turn.radius },
         };
         let Vec3 { x, y, z } = update.shapes[i].half_extents;

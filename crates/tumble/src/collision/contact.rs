@@ -178,9 +178,11 @@ impl ContactRecord {
     pub(crate) fn begin(&mut self, kind: LaneKind) {
         (self.kind, self.part, self.touched) = (kind, 0, false);
         (self.closing_speed, self.total_impulse, self.earlier_impulse) = (0.0, 0.0, 0.0);
-        let (gap_share, margin) = (self.normal_impulses.gap_share, self.margin());
-        self.normal_impulses = NormalImpulses { steady: 1.0, gap_share, ..NormalImpulses::ZERO };
-        self.friction = WorldFriction { margin, ..WorldFriction::ZERO };
+        let impulses = &mut self.normal_impulses;
+        (impulses.at_points, impulses.steady) = ([0.0; MAX_MANIFOLD_POINTS], 1.0);
+        (impulses.static_friction, impulses.dynamic_friction) = (0.0, 0.0);
+        (self.friction.linear, self.friction.angular) = (Vec3::zero(), Vec3::zero());
+        self.set_halvings(0);
     }
 
     /// Says what the surfaces are like.
@@ -309,6 +311,8 @@ impl ContactRecord {
             return;
         }
         (self.friction.linear, self.friction.angular) = (old.friction.linear, old.friction.angular);
+        self.normal_impulses.steady = old.normal_impulses.steady;
+        self.set_halvings(old.halvings());
         let (count, old_count) = (self.count(), old.count());
         let near = |j: usize, i: usize| {
             let apart = self.place(j) - old.place(i);
@@ -316,7 +320,6 @@ impl ContactRecord {
         };
         let same_place = SAME_PLACE * self.margin();
         let near_enough = same_place * same_place;
-        let mut held = [0.0; MAX_MANIFOLD_POINTS];
         let is_same = |j: usize| (self.features[j] == old.features[j]) & (near(j, j) <= near_enough);
         let are_same = if count == 1 {
             is_same(0)
@@ -325,29 +328,30 @@ impl ContactRecord {
             (0..MAX_MANIFOLD_POINTS).fold(true, |are_same, j| are_same & (is_same(j) | (j >= count)))
         };
         if count == old_count && are_same {
-            let old = old.normal_impulses.at_points;
-            held.iter_mut().zip(old).enumerate().for_each(|(j, (held, old))| *held = if j < count { old } else { 0.0 });
-        } else {
-            let (mut taken, mut found) = ([false; MAX_MANIFOLD_POINTS], [false; MAX_MANIFOLD_POINTS]);
-            for way in 0..3 {
-                for j in 0..count {
-                    if found[j] {
-                        continue;
-                    }
-                    let same = |i: &usize| match way {
-                        0 => self.features[j] == old.features[*i] && near(j, *i) <= near_enough,
-                        1 => near(j, *i) <= near_enough,
-                        _ => self.features[j] == old.features[*i],
-                    };
-                    let candidates = (0..old_count).filter(|i| !taken[*i]).filter(same);
-                    if let Some(i) = candidates.min_by(|a, b| near(j, *a).total_cmp(&near(j, *b))) {
-                        (taken[i], found[j], held[j]) = (true, true, old.normal_impulses.at_points[i]);
-                    }
+            let [a, b, c, d] = old.normal_impulses.at_points;
+            let held = |j: usize, impulse: Real| if j < count { impulse } else { 0.0 };
+            self.normal_impulses.at_points = [held(0, a), held(1, b), held(2, c), held(3, d)];
+            return;
+        }
+        let mut held = [0.0; MAX_MANIFOLD_POINTS];
+        let (mut taken, mut found) = ([false; MAX_MANIFOLD_POINTS], [false; MAX_MANIFOLD_POINTS]);
+        for way in 0..3 {
+            for j in 0..count {
+                if found[j] {
+                    continue;
+                }
+                let same = |i: &usize| match way {
+                    0 => self.features[j] == old.features[*i] && near(j, *i) <= near_enough,
+                    1 => near(j, *i) <= near_enough,
+                    _ => self.features[j] == old.features[*i],
+                };
+                let candidates = (0..old_count).filter(|i| !taken[*i]).filter(same);
+                if let Some(i) = candidates.min_by(|a, b| near(j, *a).total_cmp(&near(j, *b))) {
+                    (taken[i], found[j], held[j]) = (true, true, old.normal_impulses.at_points[i]);
                 }
             }
         }
-        (self.normal_impulses.at_points, self.normal_impulses.steady) = (held, old.normal_impulses.steady);
-        self.set_halvings(old.halvings());
+        self.normal_impulses.at_points = held;
     }
 }
 

@@ -78,13 +78,14 @@ impl NearPairs {
             found.resize_with(parts.max(found.len()), Vec::new);
             candidates.par_chunks(PART).zip(&mut *found).by_at_least(2).for_each(|(candidates, near)| {
                 near.clear();
-                near.extend(candidates.iter().filter_map(|&(first, second)| {
+                for &(first, second) in candidates {
                     // Which others are candidates depends on what was before; the contacts must
                     // not.
                     let is_sought = is_awake(first) || is_awake(second) || !sensors.is_empty();
-                    let is_near = is_sought && proxies[first as usize].is_near(&proxies[second as usize]);
-                    is_near.then(|| near_pair(states, (first, second)))
-                }));
+                    if is_sought && proxies[first as usize].is_near(&proxies[second as usize]) {
+                        near.push(near_pair(states, (first, second)));
+                    }
+                }
             });
             if !sensors.is_empty() {
                 let all = || found[..parts].iter().flatten().map(|(_, slots)| slots);
@@ -135,6 +136,10 @@ fn sensed_in<'a>(
 /// A pair with the kind of its shapes. Where only one of two is dynamic, it is the second.
 fn near_pair(states: &[ColliderState], (first, second): (u32, u32)) -> NearPair {
     let [p, q] = [&states[first as usize], &states[second as usize]];
-    let slots = if p.is_dynamic && !q.is_dynamic { [second, first] } else { [first, second] };
-    (LaneKind::both(p.kind, q.kind), slots.map(Slot))
+    let kind = LaneKind::both(p.kind, q.kind);
+    if p.is_dynamic && !q.is_dynamic {
+        (kind, [Slot(second), Slot(first)])
+    } else {
+        (kind, [Slot(first), Slot(second)])
+    }
 }

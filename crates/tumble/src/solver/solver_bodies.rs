@@ -146,6 +146,7 @@ impl SolverBodies {
     }
 
     /// The state of a dynamic body.
+    #[inline]
     pub(crate) fn state(&self, row: usize, axes: Option<Quat<Real>>) -> State<Real> {
         let BodyMotion { momentum, angular_momentum, .. } = self.motion[row];
         let BodyPose { center, orientation, .. } = self.pose[row];
