@@ -74,6 +74,21 @@ impl<R: Scalar> Aabb<R> {
         Self { low: least(self.low, other.low), high: most(self.high, other.high) }
     }
 
+    /// The box that is larger to every side \[m\].
+    ///
+    /// ```
+    /// use tumble_collide::Aabb;
+    /// use tumble_math::lane::Vec3;
+    ///
+    /// let about_origin = |half: f64| Aabb::about(Vec3::zero(), Vec3::splat(half));
+    /// assert_eq!(about_origin(0.5).grown(0.25), about_origin(0.75));
+    /// ```
+    #[must_use]
+    pub fn grown(&self, by: R) -> Self {
+        let by = Vec3::splat(by);
+        Self { low: self.low - by, high: self.high + by }
+    }
+
     /// How far a point is from it \[m\]; zero inside.
     pub(crate) fn distance(&self, point: Vec3<R>) -> R {
         let zero = R::splat(0.0);

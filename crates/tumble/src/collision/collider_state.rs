@@ -14,10 +14,17 @@ pub(crate) struct ColliderStates {
     /// Apart from the states, for most are asked no more.
     pub(crate) activity: Vec<Activity>,
     pub(crate) proxies: Vec<Proxy<Real>>,
+    /// The same, larger by what sensors look ahead; empty where there are none.
+    pub(crate) sensed_proxies: Vec<Proxy<Real>>,
     pub(crate) lanes: ShapeLanes,
 }
 
 impl ColliderStates {
+    /// What the broad phase searches: the proxies that hold the others.
+    pub(crate) fn searched(&self) -> &[Proxy<Real>] {
+        if self.sensed_proxies.is_empty() { &self.proxies } else { &self.sensed_proxies }
+    }
+
     /// Gives the states the slots that their bodies have now; `slots` are these by slot before.
     pub(crate) fn renumber(&mut self, slots: &[Slot], count: usize) {
         self.states = by_new_slot(std::mem::take(&mut self.states), slots, count, ColliderState::NOWHERE);
@@ -84,9 +91,9 @@ impl ColliderState {
         Proxy { aabb: Some(Aabb::about(Vec3::splat(Real::NAN), Vec3::zero())), moves: false }
     }
 
-    /// Its proxy in the broad phase, larger by `more` \[m\].
-    pub(crate) fn proxy(&self, geometry: &ColliderShape<Real>, more: Real, moves: bool) -> Proxy<Real> {
-        Proxy { aabb: geometry.aabb(&self.placement, self.reach + more), moves }
+    /// Its proxy in the broad phase.
+    pub(crate) fn proxy(&self, geometry: &ColliderShape<Real>, moves: bool) -> Proxy<Real> {
+        Proxy { aabb: geometry.aabb(&self.placement, self.reach), moves }
     }
 
     /// Known by its centre of mass alone.

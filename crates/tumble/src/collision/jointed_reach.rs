@@ -3,9 +3,6 @@
 //! A corner that strikes turns the whole mechanism within the step, and the opposite corner comes
 //! down with up to twice the velocity of before: its point has to be among the contacts by then.
 
-use tumble_collide::Aabb;
-use tumble_math::lane::Vec3;
-
 use crate::collision::collider_state::{Activity, ColliderState};
 use crate::collision::pipeline::CollisionPipeline;
 use crate::joints::joint_list::JointList;
@@ -28,9 +25,10 @@ impl CollisionPipeline {
             if more > 0.0 && more.is_finite() {
                 state.reach += more;
                 states.lanes.set_reach(i, state.reach);
-                if let Some(aabb) = &mut states.proxies[i].aabb {
-                    let by = Vec3::splat(more);
-                    *aabb = Aabb { low: aabb.low - by, high: aabb.high + by };
+                for proxies in [&mut states.proxies, &mut states.sensed_proxies] {
+                    if let Some(aabb) = proxies.get_mut(i).and_then(|proxy| proxy.aabb.as_mut()) {
+                        *aabb = aabb.grown(more);
+                    }
                 }
             }
         }

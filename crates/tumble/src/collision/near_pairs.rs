@@ -2,7 +2,7 @@
 //! the kind of their shapes.
 
 use rayon::prelude::*;
-use tumble_collide::BroadPhase;
+use tumble_collide::{BroadPhase, Proxy};
 
 use crate::collision::collider::Groups;
 use crate::collision::collider_state::{Activity, ColliderState, ColliderStates};
@@ -54,12 +54,14 @@ impl NearPairs {
     /// of two is dynamic, it is the second.
     pub(crate) fn find(
         &mut self,
-        ColliderStates { states, activity, proxies, .. }: &ColliderStates,
+        collider_states: &ColliderStates,
         roles: Roles<'_>,
         broad_phase: &mut BroadPhase<Real>,
         joints: &JointList,
     ) {
         let Self { found, limit, cuboids, spheres, others, sensed } = self;
+        let ColliderStates { states, activity, proxies, .. } = collider_states;
+        let searched = collider_states.searched();
         let Roles { groups, sensors } = roles;
         let is_awake = |slot: u32| activity[slot as usize] == Activity::Awake;
         let senses =
@@ -68,12 +70,13 @@ impl NearPairs {
             let are_solid = [a, b].iter().all(|slot| sensors.get(*slot as usize).is_none_or(|it| it.has_solid));
             are_solid && (is_awake(a) || is_awake(b)) && !joints.keeps_apart([Slot(a), Slot(b)])
         };
+        let are_near = |of: &[Proxy<Real>], a: u32, b: u32| of[a as usize].is_near(&of[b as usize]);
         let wanted = |a: u32, b: u32| {
             groups[a as usize].touch(groups[b as usize]) && (senses(a, b) || !joints.keeps_apart([Slot(a), Slot(b)]))
         };
         let mut parts = 1;
         sensed.clear();
-        if let Some(candidates) = broad_phase.update_within(proxies, most_listed(proxies.len()), wanted) {
+        if let Some(candidates) = broad_phase.update_within(searched, most_listed(searched.len()), wanted) {
             parts = candidates.len().div_ceil(PART);
             found.resize_with(parts.max(found.len()), Vec::new);
             candidates.par_chunks(PART).zip(&mut *found).by_at_least(2).for_each(|(candidates, near)| {
@@ -82,7 +85,7 @@ impl NearPairs {
                     // Which others are candidates depends on what was before; the contacts must
                     // not.
                     let is_sought = is_awake(first) || is_awake(second) || !sensors.is_empty();
-                    if is_sought && proxies[first as usize].is_near(&proxies[second as usize]) {
+                    if is_sought && are_near(searched, first, second) {
                         near.push(near_pair(states, (first, second)));
                     }
                 }
@@ -90,15 +93,17 @@ impl NearPairs {
             if !sensors.is_empty() {
                 let all = || found[..parts].iter().flatten().map(|(_, slots)| slots);
                 sensed.extend(all().flat_map(|slots| sensed_in(*slots, states, sensors)));
-                found[..parts].iter_mut().for_each(|near| near.retain(|(_, [a, b])| pushes(a.0, b.0)));
+                // What sensors look ahead finds no contacts.
+                let touches = |[a, b]: [Slot; 2]| are_near(proxies, a.0, b.0) && pushes(a.0, b.0);
+                found[..parts].iter_mut().for_each(|near| near.retain(|(_, slots)| touches(*slots)));
             }
             limit.thin_out(&mut found[..parts], proxies);
         } else {
             found.resize_with(found.len().max(1), Vec::new);
             found[0].clear();
             if !sensors.is_empty() {
-                broad_phase.for_each_pair(proxies, senses, |a, b| {
-                    if wanted(a, b) && proxies[a as usize].is_near(&proxies[b as usize]) {
+                broad_phase.for_each_pair(searched, senses, |a, b| {
+                    if wanted(a, b) && are_near(searched, a, b) {
                         sensed.extend(sensed_in([Slot(a), Slot(b)], states, sensors));
                     }
                 });

@@ -249,7 +249,14 @@ impl CollisionPipeline {
                 visit(other);
             }
         };
-        self.broad_phase.meeting(aabb, &mut |other| show(Slot(other)));
+        // The search has larger boxes, which depend on what was before.
+        let proxies = &self.collider_states.proxies;
+        let is_near = |other: Slot| proxies[other.index()].aabb.is_some_and(|its| its.meets(aabb));
+        self.broad_phase.meeting(aabb, &mut |other| {
+            if is_near(Slot(other)) {
+                show(Slot(other));
+            }
+        });
         endless.iter().copied().filter(|other| !self.is_outside(aabb, *other)).for_each(show);
     }
 

@@ -25,7 +25,7 @@ impl CollisionPipeline {
     pub(crate) fn update_aabbs(&mut self, columns: &WorldColumns<'_>, intervals: Intervals) {
         let Self {
             body_index,
-            collider_states: ColliderStates { states, activity, proxies, lanes },
+            collider_states: ColliderStates { states, activity, proxies, sensed_proxies, lanes },
             colliders,
             sleepers,
             are_states_known,
@@ -41,6 +41,8 @@ impl CollisionPipeline {
             activity.resize(count, Activity::NotDynamic);
             proxies.clear();
             proxies.resize(count, ColliderState::no_proxy());
+            sensed_proxies.clear();
+            sensed_proxies.resize(colliders.sensors.len(), ColliderState::no_proxy());
         }
         *are_states_known = true;
         for (archetype, bodies) in columns.pose_views() {
@@ -54,6 +56,7 @@ impl CollisionPipeline {
                     states: &mut states[slots.clone()],
                     activity: &mut activity[slots.clone()],
                     proxies: &mut proxies[slots.clone()],
+                    sensed_proxies: sensed_proxies.get_mut(slots.clone()).unwrap_or_default(),
                     lanes: lanes.part(slots.clone()),
                     sensors: colliders.sensors.get(slots.clone()).unwrap_or_default(),
                     asleep: sleepers.asleep.part(slots),
@@ -83,6 +86,8 @@ pub(crate) struct AabbUpdate<'a> {
     pub(crate) states: &'a mut [ColliderState],
     pub(crate) activity: &'a mut [Activity],
     pub(crate) proxies: &'a mut [Proxy<Real>],
+    /// Empty where there are no sensors.
+    sensed_proxies: &'a mut [Proxy<Real>],
     pub(crate) lanes: ShapeLanesPart<'a>,
     /// Empty where there are none.
     sensors: &'a [SensorRole],
@@ -107,6 +112,8 @@ impl AabbUpdate<'_> {
         let (states, other_states) = self.states.split_at_mut(middle);
         let (activity, other_activity) = self.activity.split_at_mut(middle);
         let (proxies, other_proxies) = self.proxies.split_at_mut(middle);
+        let (sensed_proxies, other_sensed_proxies) =
+            self.sensed_proxies.split_at_mut(middle.min(self.sensed_proxies.len()));
         let (lanes, other_lanes) = self.lanes.split_at(middle);
         let (sensors, other_sensors) = self.sensors.split_at(middle.min(self.sensors.len()));
         let (asleep, other_asleep) = self.asleep.split_at(middle.min(self.asleep.len()));
@@ -116,11 +123,12 @@ impl AabbUpdate<'_> {
             states: other_states,
             activity: other_activity,
             proxies: other_proxies,
+            sensed_proxies: other_sensed_proxies,
             lanes: other_lanes,
             sensors: other_sensors,
             asleep: other_asleep,
         };
-        let these = AabbUpdate { colliders, shapes, states, activity, proxies, lanes, sensors, asleep };
+        let these = AabbUpdate { colliders, shapes, states, activity, proxies, sensed_proxies, lanes, sensors, asleep };
         threads::join(
             || these.run(bodies.rows(0..middle), intervals),
             || others.run(bodies.rows(middle..bodies.pose.len()), intervals),
@@ -195,10 +203,14 @@ impl AabbUpdate<'_> {
             (false, true) => Activity::Asleep,
             (false, false) => Activity::NotDynamic,
         };
-        // Sensors look all of the way ahead, at what turns, and at what does not move.
-        let more = if self.sensors.is_empty() { 0.0 } else { sensed_ahead(way, &motion) };
         let senses = self.sensors.get(i).is_some_and(|role| role.has_sensor);
-        self.proxies[i] = self.states[i].proxy(geometry, more, is_dynamic || is_asleep || senses);
+        let proxy = self.states[i].proxy(geometry, is_dynamic || is_asleep || senses);
+        self.proxies[i] = proxy;
+        if let Some(sensed) = self.sensed_proxies.get_mut(i) {
+            // Sensors look all of the way ahead, at what turns, and at what does not move.
+            let more = sensed_ahead(way, &motion);
+            *sensed = Proxy { aabb: proxy.aabb.map(|aabb| aabb.grown(more)), ..proxy };
+        }
     }
 }
 
