@@ -7,7 +7,8 @@
 use hecs::World;
 use tumble::prelude::*;
 use tumble::{Batch, BodyOrder, Trial, state_hash};
-use tumble_tests::{Draw, cases};
+use tumble_tests::touching::{collider, spawn};
+use tumble_tests::{Draw, cases, vec3};
 
 use crate::sleep::{asleep, heap, sleeping};
 
@@ -57,6 +58,57 @@ fn rewinds_are_exact() {
             assert_eq!((hash(&other), asleep(&fresh)), there, "case {case}, step {step}, {asleep_then} asleep");
         }
     }
+}
+
+/// A heap that something passes, after it has fallen asleep.
+fn passed(case: u64, has_sensor: bool) -> World {
+    let mut draw = Draw::new(0x51F7, case);
+    let size = draw.log_between(0.02, 2.0);
+    let (mut world, _) = heap(&mut draw, size, 5);
+    let (shape, way) = (Shape::sphere(0.3 * size), glam::DVec3::X * size * draw.log_between(0.3, 3.0));
+    let place = glam::DVec3::new(0.0, draw.between(0.4, 3.0), draw.between(-2.0, 2.0)) * size;
+    let passer = RigidBody::new(shape.clone()).kinematic().id(BodyId(100)).position(vec3(place - way * 11.5));
+    spawn(&mut world, passer.linear_velocity(vec3(way)), collider(&shape));
+    if has_sensor {
+        let sensor = RigidBody::new(Shape::Point).fixed().position(vec3(glam::DVec3::Y * 1e5));
+        spawn(&mut world, sensor, collider(&Shape::sphere(1.0)).sensor());
+    }
+    world
+}
+
+/// What passes wakes the same bodies in the same step after a rewind, and with a sensor far away:
+/// it depends on how near it comes, not on where the search for pairs had bodies before.
+#[test]
+fn what_passes_wakes_the_same_bodies() {
+    let (mut wakes, mut stays) = (0, 0);
+    for case in 0..u64::from(cases(40)) {
+        let (mut world, mut simulation) = (passed(case, false), Simulation::new(sleeping()).unwrap());
+        let (mut other, mut beside) = (passed(case, true), Simulation::new(sleeping()).unwrap());
+        simulation.step_many(&mut world, 590);
+        beside.step_many(&mut other, 590);
+        let mut rewound: Vec<(World, Simulation)> = Vec::new();
+        let before = asleep(&simulation);
+        let mut least = before;
+        for step in 590..790 {
+            if step % 25 == 0 {
+                let mut again = (passed(case, false), Simulation::new(sleeping()).unwrap());
+                again.1.restore(&simulation.snapshot(&world).unwrap(), &mut again.0).unwrap();
+                rewound.push(again);
+            }
+            simulation.step(&mut world);
+            let there = (asleep(&simulation), hash(&world));
+            for (number, (world, simulation)) in rewound.iter_mut().enumerate() {
+                simulation.step(world);
+                assert_eq!((asleep(simulation), hash(world)), there, "case {case}, step {step}, rewind {number}");
+            }
+            beside.step(&mut other);
+            assert_eq!(asleep(&beside), there.0, "case {case}, step {step}, with a sensor");
+            least = least.min(there.0);
+        }
+        wakes += u32::from(least < before);
+        stays += u32::from(before > 0 && least == before);
+    }
+    assert!(wakes > 5 && stays > 5, "{wakes} heaps woke, {stays} did not");
 }
 
 /// In a simulation without sleep they are awake.

@@ -261,12 +261,15 @@ impl CollisionPipeline {
         let is_solid = |slot: &&Slot| colliders.get(**slot).is_some_and(|(it, _)| !it.is_sensor());
         for mover in sleepers.movers.iter().filter(is_solid) {
             let touch = |slot: &Slot| colliders.groups[slot.index()].touch(colliders.groups[mover.index()]);
+            let proxies = &collider_states.proxies;
+            let proxy = &proxies[mover.index()];
+            // Which boxes the search has depends on what was before; who wakes must not.
+            let is_near = |slot: &Slot| proxy.is_near(&proxies[slot.index()]);
             let mut show = |slot: Slot| {
-                if sleepers.asleep.has(slot) && touch(&slot) {
+                if sleepers.asleep.has(slot) && touch(&slot) && is_near(&slot) {
                     struck.push(slot);
                 }
             };
-            let proxy = &collider_states.proxies[mover.index()];
             match &proxy.aabb {
                 Some(aabb) => broad_phase.meeting(aabb, &mut |other| show(Slot(other))),
                 None => self.body_index.all().for_each(show),
