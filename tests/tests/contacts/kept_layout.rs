@@ -2,7 +2,8 @@
 //! step, whatever changed in between: bodies, materials, locked axes, joints.
 //!
 //! Why: contacts and joints stay laid out in their blocks while the list of them is the same. It
-//! fails where anything that a layout follows from is left out of that comparison.
+//! fails where anything that a layout follows from is left out of that comparison, or where a block
+//! is read before this step has written what is read.
 
 use hecs::{Entity, World};
 use tumble::math::Vec3;
@@ -45,11 +46,6 @@ fn join(world: &mut World, [a, b]: [Entity; 2]) {
     world.spawn((joint,));
 }
 
-/// Locked axes make a mechanism direct that was in passes, which is another matter.
-fn is_jointed(world: &World, body: Entity) -> bool {
-    world.query::<&Joint>().iter().any(|joint| joint.bodies.contains(&body))
-}
-
 /// Changes something now and then.
 fn change(world: &mut World, draw: &mut Draw, bodies: &mut Vec<Entity>, step: u64) {
     let which = (draw.between(0.0, bodies.len() as f64) as usize).min(bodies.len() - 1);
@@ -62,13 +58,11 @@ fn change(world: &mut World, draw: &mut Draw, bodies: &mut Vec<Entity>, step: u6
             let changed = known.with_material(now).unwrap();
             world.insert_one(bodies[which], changed).unwrap();
         }
-        3 if !is_jointed(world, bodies[which]) => {
+        3 => {
             world.insert_one(bodies[which], LockedAxes(Axes::LINEAR_X | Axes::ANGULAR_Z)).unwrap();
         }
         4 => drop(world.remove_one::<LockedAxes>(bodies[which])),
-        5 if which > 0 && [which - 1, which].iter().all(|it| world.get::<&LockedAxes>(bodies[*it]).is_err()) => {
-            join(world, [bodies[which - 1], bodies[which]]);
-        }
+        5 if which > 0 => join(world, [bodies[which - 1], bodies[which]]),
         _ => {}
     }
 }
@@ -81,7 +75,8 @@ fn what_was_laid_out_before_changes_no_bit() {
         ground(&mut world, Material::default(), tumble::math::Quat::IDENTITY);
         let count = draw.between(3.0, 40.0) as u64;
         let mut bodies: Vec<Entity> = (0..count).map(|id| fall(&mut world, draw, 1 + id)).collect();
-        let settings = Settings::default().with_joint_solver(JointSolver::Passes);
+        let joints = if case % 2 == 0 { JointSolver::Passes } else { JointSolver::Auto };
+        let settings = Settings::default().with_joint_solver(joints);
         let mut simulation = Simulation::new(settings).unwrap();
         let mut kept = 0;
         for step in 0..120 {

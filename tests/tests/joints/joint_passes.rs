@@ -10,8 +10,8 @@ use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::math::Real;
 use tumble::{
-    Axes, BodyId, Joint, JointSolver, Limit, Limits, Mass, Material, Momentum, RigidBody, Settings, Shape, Simulation,
-    Sleep, Snapshot, SnapshotError, Work,
+    Axes, BodyId, Joint, JointSolver, Limit, Limits, LockedAxes, Mass, Material, Momentum, RigidBody, Settings, Shape,
+    Simulation, Sleep, Snapshot, SnapshotError, Work,
 };
 use tumble_benches::{JointKind, chain, net};
 use tumble_tests::touching::{collider, ground};
@@ -308,6 +308,62 @@ fn hanging(count: u64, settings: Settings) -> (Rig, Vec<Entity>) {
     });
     let balls = balls.collect();
     (rig, balls)
+}
+
+/// A mechanism in passes, at a time in gravity or on a body that does not move; its bodies.
+fn in_passes(case: u64) -> (Rig, Vec<Entity>, Draw) {
+    let mut draw = Draw::new(0x74, case);
+    let (dt, substeps) = any_steps(&mut draw);
+    let class = Class { is_fixed: draw.often(0.5), ..any_class(&mut draw, dt / f64::from(substeps)) };
+    let gravity = if draw.often(0.5) { down() } else { DVec3::ZERO };
+    let mut rig = Rig::new(gravity, dt, substeps).solved(JointSolver::Passes);
+    let (bodies, _) = pins(class, &mut draw, &mut rig);
+    (rig, bodies, draw)
+}
+
+/// Axes that are locked make a mechanism direct, and those that no longer are put it in passes
+/// again. From the steps around that a snapshot goes on to the bit in another world.
+#[test]
+fn snapshots_go_on_where_locks_come_and_go() {
+    for case in 0..u64::from(cases(24)) {
+        let (mut rig, bodies, mut draw) = in_passes(case);
+        let (first, last) = (draw.between(1.0, 20.0) as u32, draw.between(20.0, 40.0) as u32);
+        let locks =
+            bodies.iter().map(|_| draw.often(0.3).then(|| LockedAxes(locked_axes(&mut draw)))).collect::<Vec<_>>();
+        let change = |world: &mut World, step: u32| {
+            for (body, lock) in bodies.iter().zip(&locks) {
+                match lock {
+                    Some(lock) if step == first => world.insert_one(*body, *lock).unwrap(),
+                    Some(_) if step == last => drop(world.remove_one::<LockedAxes>(*body)),
+                    _ => {}
+                }
+            }
+        };
+        let mut others: Vec<(u32, Rig)> = Vec::new();
+        for step in 0..60 {
+            change(&mut rig.world, step);
+            if step.abs_diff(first) < 3 || step.abs_diff(last) < 3 {
+                let mut other = in_passes(case).0;
+                (0..=step).for_each(|step| change(&mut other.world, step));
+                let snapshot = rig.simulation.snapshot(&rig.world).unwrap();
+                other.simulation.restore(&snapshot, &mut other.world).unwrap();
+                others.push((step, other));
+            }
+            rig.step();
+            for (since, other) in &mut others {
+                if *since < step {
+                    change(&mut other.world, step);
+                }
+                other.step();
+                assert_eq!(hash(&other.world), hash(&rig.world), "case {case}, from step {since}, step {step}");
+            }
+        }
+    }
+}
+
+/// Some of the axes along and about which a body moves.
+fn locked_axes(draw: &mut Draw) -> Axes {
+    Axes::EACH.into_iter().filter(|_| draw.often(0.4)).fold(Axes::NONE, |all, axis| all | axis)
 }
 
 /// What sleeps keeps its impulses: without them it would fall by half a free fall of a substep.

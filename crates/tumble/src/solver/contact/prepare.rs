@@ -124,6 +124,8 @@ impl<const P: usize, const C: usize> Prepare<'_, P, C> {
         let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(inv_inertia, frame.arms)));
         put(restitution, &mut bounce.restitution, lane);
         put(T::splat(0.0), &mut bounce.absorbed, lane);
+        // Direct contacts read it before the bodies have moved.
+        put_vector(Vec3::<T>::zero(), &mut bounce.lag, lane);
         let mut j = 0;
         while j < P {
             put(T::splat(0.0), &mut bounce.approach[j], lane);
