@@ -26,7 +26,7 @@ const ONE_POINT: f64 = 32.0;
 /// The square of a shorter length \[m\] may not be a normal number in either precision.
 const MIN_DISTANCE: f64 = 1e-18;
 /// The most points that an edge and another, or a face, have in common, and the nearest.
-const MOST_SHARED: usize = 3;
+const MAX_SHARED: usize = 3;
 /// By how much more \[m\] an edge of a box must separate than a face to be taken.
 const EDGE_LEAD: f64 = 5e-4;
 
@@ -93,7 +93,7 @@ pub(crate) fn capsule_and_capsule<R: Scalar>(first: &Rod<R>, second: &Rod<R>, ma
     let nearest = (on_first + normal * layers[0] + on_second - normal * layers[1]) * half;
     let face_clipping = FaceClipping { normal, separation, layers, margin };
     let (first, second) = (first.feature(), second.feature());
-    face_clipping.manifold_of::<2, 2, MOST_SHARED>(&first, &second, nearest, R::splat(0.0)).carried_by_both()
+    face_clipping.manifold_of::<2, 2, MAX_SHARED>(&first, &second, nearest, R::splat(0.0)).carried_by_both()
 }
 
 /// The nearest points of two axes; of parallel ones, some that are nearest.
@@ -149,7 +149,7 @@ pub(crate) fn cuboid_and_capsule<R: Scalar>(
     let face_clipping = FaceClipping { normal, separation: between - rod.radius, layers: [zero, rod.radius], margin };
     let middle = nearest + normal * ((between - rod.radius) * half);
     let face = Feature::of_cuboid(h, normal);
-    let manifold = face_clipping.manifold_of::<4, 2, MOST_SHARED>(&face, &local.feature(), middle, zero);
+    let manifold = face_clipping.manifold_of::<4, 2, MAX_SHARED>(&face, &local.feature(), middle, zero);
     manifold.seen(|point| at.to_world(point), |v| at.orientation.rotate(v))
 }
 

@@ -290,8 +290,8 @@ fn cut_line<R: Scalar, const K: usize>(
     }
 }
 
-/// Whether any of a polygon is where `beyond` is positive; then `left` is what of it is not. The side
-/// that cuts is called `edge`.
+/// Whether any of a polygon is where `beyond` is positive; then `left` is what of it is not. The
+/// side that cuts is called `edge`.
 fn clip<R: Scalar, const M: usize>(
     polygon: &List<Left<R>, M>,
     left: &mut List<Left<R>, M>,

@@ -195,7 +195,32 @@ fn stretch<L: Lane>(n: L) -> L {
 
 #[cfg(test)]
 mod tests {
+    use super::super::FreeRotation;
+    use super::super::tests::Uniform;
     use super::*;
+    use crate::lane::Quat;
+
+    /// Of random bodies, from the smallest turn to one of many parts; also by the longer way, which
+    /// a tile takes with a fast body in it.
+    #[test]
+    fn resting_bodies_have_the_same_bits() {
+        let mut uniform = Uniform(7);
+        for _ in 0..20_000 {
+            let mut size = |least: f64| (least.ln() + (1e3 / least).ln() * uniform.next()).exp() as f32;
+            let (a, b) = (size(1e-3), size(1e-3));
+            let momentum = Vec3::new(size(1e-38), size(1e-38), size(1e-38));
+            let mut part = || uniform.next() as f32 * 2.0 - 1.0;
+            // No moment is more than the other two.
+            let moments = Vec3::new(a, b, (a - b).abs() + (a + b - (a - b).abs()) * part().abs());
+            let inverse_moments = Vec3::new(1.0 / moments.x, 1.0 / moments.y, 1.0 / moments.z);
+            let q = Quat { x: part(), y: part(), z: part(), w: 1.5 + part() }.normalize();
+            let step = FreeRotation::new(moments, inverse_moments, None, 1.0 / 480.0);
+            let bits = |q: Quat<f32>| [q.x, q.y, q.z, q.w].map(f32::to_bits);
+            let same = format!("{moments:?} {momentum:?} {q:?}");
+            assert_eq!(bits(step.for_resting().rotate(q, momentum)), bits(step.rotate(q, momentum)), "{same}");
+            assert_eq!(bits(step.for_resting().rotate_far(q, momentum)), bits(step.rotate_far(q, momentum)), "{same}");
+        }
+    }
 
     /// The polynomials beside their functions, from no turn to the longest that each is for, which
     /// is `sqrt(6 kappa)`, of a disc about its axis.

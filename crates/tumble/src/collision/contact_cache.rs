@@ -53,7 +53,7 @@ impl ContactCache {
 
     /// Says of which shapes contacts are, and puts them in order. Where `are_same`, colliders and
     /// slots are those that the contacts were found with.
-    pub(crate) fn arrange(&self, contacts: &mut Vec<ContactRecord>, colliders: &Colliders, are_same: bool) {
+    pub(crate) fn arrange(&self, contacts: &mut [ContactRecord], colliders: &Colliders, are_same: bool) {
         if are_same {
             debug_assert!(contacts.iter().all(|contact| contact.kind == colliders.kind_of(contact.slots)));
         } else {

@@ -204,11 +204,14 @@ impl AabbUpdate<'_> {
             (false, false) => Activity::NotDynamic,
         };
         let senses = self.sensors.get(i).is_some_and(|role| role.has_sensor);
-        let proxy = self.states[i].proxy(geometry, is_dynamic || is_asleep || senses);
-        self.proxies[i] = proxy;
+        self.proxies[i] = self.states[i].proxy(geometry, is_dynamic || is_asleep || senses);
+        self.set_sensed_proxy(i, way, &motion);
+    }
+
+    /// Has sensors look all of the way \[m\] ahead, at what turns, and at what does not move.
+    fn set_sensed_proxy(&mut self, i: usize, way: Real, motion: &Motion) {
         if let Some(sensed) = self.sensed_proxies.get_mut(i) {
-            // Sensors look all of the way ahead, at what turns, and at what does not move.
-            let more = sensed_ahead(way, &motion);
+            let (proxy, more) = (self.proxies[i], sensed_ahead(way, motion));
             *sensed = Proxy { aabb: proxy.aabb.map(|aabb| aabb.grown(more)), ..proxy };
         }
     }
