@@ -71,9 +71,9 @@ fn integrators(criterion: &mut Criterion) {
         for substeps in [1, 8] {
             let settings = Settings::default().with_substeps(substeps).with_integrator(integrator);
             let Ok(mut simulation) = Simulation::new(settings) else { return };
-            let mut told = OnDemand::new(|| print_errors(settings));
+            let mut errors = OnDemand::new(|| print_errors(settings));
             group.bench_function(BenchmarkId::new("substeps", substeps), |bencher| {
-                told.get();
+                errors.get();
                 let world = world.get();
                 one_thread.install(|| bencher.iter(|| simulation.step(world)));
             });

@@ -66,13 +66,13 @@ fn main() -> RunStatus<()> {
         if asked(PYRAMID) {
             let (steps, measured) = if short { (2, 0..2) } else { (300, 60..240) };
             let made = || pyramid(if short { 4 } else { 20 });
-            let pile = Pile { made: &made, steps, measured, told: &sunk };
+            let pile = Pile { made: &made, steps, measured, outcome: &sunk };
             pile.run("pyramid", threads, &pool)?;
         }
         if asked(BALLS) {
             let steps = if short { 2 } else { 300 };
             let made = || falling_balls(if short { 400 } else { 5000 });
-            Pile { made: &made, steps, measured: 0..steps, told: &overlap }.run("balls", threads, &pool)?;
+            Pile { made: &made, steps, measured: 0..steps, outcome: &overlap }.run("balls", threads, &pool)?;
         }
         if asked(WORLDS) {
             let (count, steps) = if short { (16, 2) } else { (4096, 120) };
@@ -101,7 +101,7 @@ struct Pile<'a> {
     /// Which steps are timed.
     measured: Range<usize>,
     /// What became of it.
-    told: &'a dyn Fn(&Places, &Places) -> String,
+    outcome: &'a dyn Fn(&Places, &Places) -> String,
 }
 
 impl Pile<'_> {
@@ -123,12 +123,12 @@ impl Pile<'_> {
         let rate = start.len() as f64 * 1e-3 / ours;
         println!(
             "{name}, threads {threads}: tumble {ours:.2} ms a step, {rate:.2} million body-steps a second, {}",
-            (self.told)(&start, &places(&world))
+            (self.outcome)(&start, &places(&world))
         );
         if let Some(peer) = &peer {
-            let told = (self.told)(&start, &peer.places());
+            let outcome = (self.outcome)(&start, &peer.places());
             println!(
-                "{name}, threads {threads}: Rapier {theirs:.2} ms a step, {told}; {:.2} times ours",
+                "{name}, threads {threads}: Rapier {theirs:.2} ms a step, {outcome}; {:.2} times ours",
                 theirs / ours
             );
         }

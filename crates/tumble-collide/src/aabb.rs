@@ -37,25 +37,13 @@ impl<R: Scalar> Aabb<R> {
     /// Whether the boxes have a point in common. One that is not a number has none.
     #[inline]
     pub fn meets(&self, other: &Self) -> bool {
-        // Without branches, which for neighbours are taken as often as not.
-        (self.low.x <= other.high.x)
-            & (other.low.x <= self.high.x)
-            & (self.low.y <= other.high.y)
-            & (other.low.y <= self.high.y)
-            & (self.low.z <= other.high.z)
-            & (other.low.z <= self.high.z)
+        at_most(self.low, other.high) & at_most(other.low, self.high)
     }
 
-    /// Whether all of the other is in this one, its surface included. Compared without branches:
-    /// the answer is nearly always the same.
+    /// Whether all of the other is in this one, its surface included.
     #[inline]
     pub(crate) fn holds(&self, other: &Self) -> bool {
-        (self.low.x <= other.low.x)
-            & (self.low.y <= other.low.y)
-            & (self.low.z <= other.low.z)
-            & (other.high.x <= self.high.x)
-            & (other.high.y <= self.high.y)
-            & (other.high.z <= self.high.z)
+        at_most(self.low, other.low) & at_most(other.high, self.high)
     }
 
     /// The smallest box that holds both.
@@ -126,4 +114,11 @@ impl<R: Scalar> Aabb<R> {
         );
         (lowest - point).dot(up) <= R::splat(0.0)
     }
+}
+
+/// Whether no component is greater than that of the other. Compared without branches, which for
+/// neighbours are taken as often as not.
+#[inline]
+fn at_most<R: Scalar>(a: Vec3<R>, b: Vec3<R>) -> bool {
+    (a.x <= b.x) & (a.y <= b.y) & (a.z <= b.z)
 }

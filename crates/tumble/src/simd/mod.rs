@@ -143,8 +143,7 @@ pub(crate) trait Kernel {
 
     /// Whether no lane from row `i` of a block on has anything: a tile from there on is left out.
     #[inline(always)]
-    fn is_empty(&self, i: usize) -> bool {
-        let _ = i;
+    fn is_empty(&self, _: usize) -> bool {
         false
     }
 
@@ -335,6 +334,11 @@ impl<K: Kernel> Kernel for WholeHalves<'_, K> {
     #[inline(always)]
     fn len(&self) -> usize {
         self.0.len() - self.0.len() % HALF_BLOCK
+    }
+
+    #[inline(always)]
+    fn is_empty(&self, i: usize) -> bool {
+        self.0.is_empty(i)
     }
 
     #[inline(always)]
