@@ -81,6 +81,7 @@ fn step_world(scene: &str, steps: u32) -> Result<(), Failure> {
         "hill-capsules" => (hills(count as usize, HillBodies::Capsules, HillGround::HeightField), settings),
         "mesh-hills" => (hills(count as usize, HillBodies::Mixed, HillGround::Mesh), settings),
         "ragdolls" => (ragdolls(RAGDOLLS as usize), settings),
+        "heap" => (ragdolls(160), settings),
         "ledger" => (tumbling_boxes(count as usize), settings),
         ONE_BODY => (tumbling_boxes(1), settings),
         integrator => (tumbling_boxes(count as usize), settings.with_integrator(integrator.parse()?)),

@@ -232,11 +232,28 @@ impl<'a> Moving<'a> {
     /// How fast they can come together along a unit vector from the first to the second, in a leg
     /// in which the second goes `way` past the first.
     pub(crate) fn rate(&self, way: Vector, normal: Vector) -> f64 {
+        self.turning_rate(normal) - way.dot(normal)
+    }
+
+    /// The part of the rate that comes of turning.
+    fn turning_rate(&self, normal: Vector) -> f64 {
         let turning = |which: usize| {
             let across = normal.cross(self.courses[which].angular());
             across.dot(across).sqrt() * self.radii[which]
         };
-        turning(0) + turning(1) - way.dot(normal)
+        turning(0) + turning(1)
+    }
+
+    /// No distance from a moment on up to another, or before it from that one on, is less than
+    /// this, where they have this gap at the moment.
+    fn least_until(&self, gap: &Gap, moment: f64, end: f64) -> f64 {
+        let from = moment.min(end);
+        let turns = self.courses.into_iter().flat_map(|course| course.turns());
+        let legs = turns.filter(|turn| (from..moment.max(end)).contains(turn)).chain([from]);
+        // Backwards in time all goes the other way.
+        let sign = if end < moment { 1.0 } else { -1.0 };
+        let along = legs.fold(f64::NEG_INFINITY, |most, leg| most.max(sign * self.way(leg).dot(gap.normal)));
+        gap.distance - (self.turning_rate(gap.normal) + along).max(0.0) * (end - moment).abs()
     }
 
     pub(crate) fn way(&self, moment: f64) -> Vector {
@@ -297,7 +314,13 @@ impl<'a> Moving<'a> {
         for _ in 0..NARROWED {
             let third = (high - low) * (1.0 / 3.0);
             let (a, b) = (low + third, high - third);
-            if self.gap(a)?.distance <= self.gap(b)?.distance { high = b } else { low = a }
+            let (at_a, at_b) = (self.gap(a)?, self.gap(b)?);
+            let middle = 0.5 * (low + high);
+            let sides = [(&at_a, a, low), (&at_a, a, middle), (&at_b, b, middle), (&at_b, b, high)];
+            if sides.into_iter().all(|(gap, moment, end)| self.least_until(gap, moment, end) > slack) {
+                return None;
+            }
+            if at_a.distance <= at_b.distance { high = b } else { low = a }
         }
         let moment = if high == high_end { high } else { 0.5 * (low + high) };
         let Gap { distance, normal, .. } = self.gap(moment)?;
@@ -359,4 +382,73 @@ fn laid_back<R: Scalar>(manifold: &Manifold<R>, courses: [&Course; 2], moment: f
         });
     }
     Manifold::new(narrow(before), manifold.carried, points)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn vector(most: f64) -> impl Strategy<Value = Vector> {
+        [-most..most, -most..most, -most..most].prop_map(|[x, y, z]| Vector::new(x, y, z))
+    }
+
+    fn shape() -> impl Strategy<Value = ColliderShape<f64>> {
+        prop_oneof![
+            (0.1..1.0).prop_map(|radius| ColliderShape::Sphere { radius }),
+            (0.1..1.0, 0.1..2.0).prop_map(|(radius, half_height)| ColliderShape::Capsule { radius, half_height }),
+            [0.1..1.0, 0.1..1.0, 0.1..1.0]
+                .prop_map(|[x, y, z]| { ColliderShape::Cuboid { half_extents: Vector::new(x, y, z) } }),
+        ]
+    }
+
+    /// Also such that turn off or do not turn, about points beside the shape.
+    fn course() -> impl Strategy<Value = Course> {
+        let turn = prop_oneof![vector(2.0), Just(Vector::zero())];
+        (vector(3.0), vector(0.5), vector(4.0), turn, 0.0..1.0, vector(4.0)).prop_map(
+            |(at, off, way, turn, moment, after)| {
+                Course::new(&Isometry::at(at), at + off, way, turn).turned_off(moment, after)
+            },
+        )
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(4000))]
+        #[test]
+        fn no_distance_is_less_than_the_bound_of_a_span(
+            (first, second) in (shape(), shape()),
+            (a, b) in (course(), course()),
+            (moment, end, part) in (0.0..1.0, 0.0..1.0, 0.0..1.0),
+        ) {
+            let convex = [&first, &second].map(|shape| Convex::of(shape));
+            let [Some(one), Some(other)] = convex else { return Ok(()) };
+            let moving = Moving::new(one, other, [&first, &second], [&a, &b]);
+            let Some(gap) = moving.gap(moment) else { return Ok(()) };
+            let between = moment + (end - moment) * part;
+            let Some(there) = moving.gap(between) else { return Ok(()) };
+            let least = moving.least_until(&gap, moment, end);
+            prop_assert!(there.distance >= least - 1e-9, "{} < {least} at {between}", there.distance);
+        }
+
+        /// Balls that go straight along their line of centres come together at the greatest rate.
+        #[test]
+        fn the_bound_of_balls_that_meet_straight_is_their_distance(
+            (radius, apart, speed) in (0.1..1.0, 2.0..9.0, -5.0..5.0_f64),
+            (moment, end) in (0.0..1.0, 0.0..1.0),
+        ) {
+            let ball = ColliderShape::Sphere { radius };
+            let zero = Vector::zero();
+            let stays = Course::new(&Isometry::at(zero), zero, zero, zero);
+            let at = Vector::new(0.0, apart, 0.0);
+            let goes = Course::new(&Isometry::at(at), at, Vector::new(0.0, speed, 0.0), zero);
+            let Some(shape) = Convex::of(&ball) else { return Ok(()) };
+            let moving = Moving::new(shape, shape, [&ball, &ball], [&stays, &goes]);
+            let distance = |moment: f64| -> f64 { apart + speed * moment - 2.0 * radius };
+            prop_assume!(distance(moment) + 2.0 * radius > 0.1);
+            let Some(gap) = moving.gap(moment) else { return Ok(()) };
+            let least = moving.least_until(&gap, moment, end);
+            prop_assert!((least - distance(moment).min(distance(end))).abs() < 1e-9);
+        }
+    }
 }

@@ -107,7 +107,7 @@ struct TakeTerms<'k> {
 }
 
 impl Kernel for TakeTerms<'_> {
-    const IS_LARGE: bool = true;
+    const IS_RARE: bool = true;
 
     #[inline(always)]
     fn len(&self) -> usize {

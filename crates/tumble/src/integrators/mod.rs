@@ -50,16 +50,21 @@ pub(crate) trait Scheme<L: Lane> {
 pub(crate) trait AnyWidth {
     /// The scheme for tiles of one width.
     type Of<L: Lane>: Scheme<L>;
+
+    /// Whether a step holds more than there are registers for.
+    const IS_LARGE: bool;
 }
 
 macro_rules! any_width {
-    ($($Scheme:ident),+) => {
+    ($($Scheme:ident: $is_large:literal),+) => {
         $(
             impl AnyWidth for $Scheme<()> {
                 type Of<L: Lane> = $Scheme<L>;
+
+                const IS_LARGE: bool = $is_large;
             }
         )+
     };
 }
 
-any_width!(SemiImplicitEuler, RungeKutta4, MoserVeselov);
+any_width!(SemiImplicitEuler: false, RungeKutta4: true, MoserVeselov: false);

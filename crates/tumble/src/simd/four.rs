@@ -31,6 +31,14 @@ pub(crate) trait FourKernel {
     /// Must be `#[inline(always)]`, as must be all that it calls with fours; see
     /// [`Kernel::tile`](super::Kernel::tile).
     fn run<T: FourLane>(self);
+
+    /// Runs it with fours of no instruction set: one function, whatever it is called by.
+    fn portably(self)
+    where
+        Self: Sized,
+    {
+        self.run::<PortableFour>();
+    }
 }
 
 /// Fours of no particular instruction set: the reference.
@@ -87,15 +95,8 @@ impl Lane for PortableFour {
 
     #[inline(always)]
     fn select(mask: [bool; 4], if_true: Self, if_false: Self) -> Self {
-        let mut numbers = if_false.0;
-        let mut i = 0;
-        while i < 4 {
-            if mask[i] {
-                numbers[i] = if_true.0[i];
-            }
-            i += 1;
-        }
-        Self(numbers)
+        let ([a, b, c, d], [e, f, g, h], [i, j, k, l]) = (mask, if_true.0, if_false.0);
+        Self([if a { e } else { i }, if b { f } else { j }, if c { g } else { k }, if d { h } else { l }])
     }
 
     #[inline(always)]
@@ -116,13 +117,9 @@ impl Lane for PortableFour {
 
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        let (mut sines, mut cosines) = (self, self);
-        let mut i = 0;
-        while i < 4 {
-            (sines.0[i], cosines.0[i]) = Lane::sin_cos(self.0[i]);
-            i += 1;
-        }
-        (sines, cosines)
+        let [a, b, c, d] = self.0;
+        let (a, b, c, d) = (Lane::sin_cos(a), Lane::sin_cos(b), Lane::sin_cos(c), Lane::sin_cos(d));
+        (Self([a.0, b.0, c.0, d.0]), Self([a.1, b.1, c.1, d.1]))
     }
 }
 

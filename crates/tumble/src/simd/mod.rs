@@ -129,9 +129,12 @@ impl Tile for Real {
 
 /// A computation over tiles of any width.
 pub(crate) trait Kernel {
-    /// Whether it needs more registers than there are and its code takes much room: tiles do not go
-    /// in pairs then, and in WebAssembly, which is loaded over networks, bodies go one by one.
+    /// Whether it needs more registers than there are: tiles do not go in pairs then.
     const IS_LARGE: bool = false;
+
+    /// Whether it runs seldom: tiles do not go in pairs either, and in WebAssembly, which is loaded
+    /// over networks, bodies go one by one.
+    const IS_RARE: bool = false;
 
     /// How many bodies there are.
     fn len(&self) -> usize;
@@ -159,10 +162,10 @@ pub(crate) trait Kernel {
 }
 
 /// Runs a kernel on whole tiles from row `i` on, and returns the first row that is left: all of
-/// them, if they are pairs and the kernel is large.
+/// them, if they are pairs and the kernel is large or rare.
 #[inline(always)]
 fn tiles<T: Tile, K: Kernel>(kernel: &mut K, mut i: usize) -> usize {
-    if T::IS_PAIR && K::IS_LARGE {
+    if T::IS_PAIR && (K::IS_LARGE || K::IS_RARE) {
         return i;
     }
     while i + T::WIDTH <= kernel.len() {
@@ -276,7 +279,7 @@ impl Level {
     #[inline]
     fn run_fours(self, kernel: impl FourKernel) {
         match self {
-            Self::Scalar => kernel.run::<four::PortableFour>(),
+            Self::Scalar => kernel.portably(),
             #[cfg(vector_code)]
             Self::Baseline => target::fours_with_baseline(kernel),
             #[cfg(avx_code)]

@@ -33,7 +33,7 @@ pub(super) const BASELINE_WIDTHS: [usize; 2] = [Simd128::WIDTH, Real::WIDTH];
 
 /// Runs a kernel on tiles of one vector; most machines below have 16 registers for them.
 pub(super) fn with_baseline<K: Kernel>(kernel: &mut K) {
-    let left = if K::IS_LARGE { 0 } else { tiles::<Simd128, _>(kernel, 0) };
+    let left = if K::IS_RARE { 0 } else { tiles::<Simd128, _>(kernel, 0) };
     kernel.one_by_one(left);
 }
 

@@ -187,7 +187,8 @@ struct Advance<'k, 'a, S, A, B> {
 }
 
 impl<S: AnyWidth, A: Acting, B: Books> Kernel for Advance<'_, '_, S, A, B> {
-    const IS_LARGE: bool = B::ARE_KEPT;
+    const IS_LARGE: bool = S::IS_LARGE;
+    const IS_RARE: bool = B::ARE_KEPT;
 
     #[inline(always)]
     fn len(&self) -> usize {
@@ -268,6 +269,8 @@ struct AdvancePlain<'k, S> {
 }
 
 impl<S: AnyWidth> Kernel for AdvancePlain<'_, S> {
+    const IS_LARGE: bool = S::IS_LARGE;
+
     #[inline(always)]
     fn len(&self) -> usize {
         self.bodies.len()

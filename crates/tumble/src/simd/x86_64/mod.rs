@@ -11,7 +11,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use tumble_math::lane::Lane;
 
-use super::four::{Four, FourKernel, FourLane, PortableFour};
+use super::four::{Four, FourKernel, FourLane};
 #[cfg(not(feature = "f64"))]
 use super::intrinsics::widen_to_four;
 use super::intrinsics::{lane, tile};
@@ -240,7 +240,7 @@ fn widen_512(numbers: __m512) -> Pair<Avx512Eight> {
 
 /// Runs a kernel of fours without AVX2.
 pub(super) fn fours_with_baseline(kernel: impl FourKernel) {
-    kernel.run::<PortableFour>();
+    kernel.portably();
 }
 
 /// The code of a kernel of fours, [as of others](Compiled).

@@ -1,6 +1,7 @@
 //! Tiles of single precision.
 
 use super::*;
+use crate::simd::four::PortableFour;
 
 lane! {
     Sse2, f32, __m128, __m128, 4,
