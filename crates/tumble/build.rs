@@ -1,5 +1,6 @@
 //! Decides whether vector code is compiled: `cfg(vector_code)`, where there is some for the target,
-//! and `cfg(avx_code)`, that of x86-64 besides; but none without optimisation.
+//! and `cfg(avx_code)`, that of x86-64 besides; but none without optimisation. `cfg(vectors_alone)`
+//! in browsers, where there is no environment to ask for other code in, and less of it loads sooner.
 //!
 //! A kernel is one function into which everything is inlined. Unoptimised, each of its thousands of
 //! intermediate vectors gets memory of its own on the stack, megabytes of it, and a game's debug
@@ -11,6 +12,7 @@ fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rustc-check-cfg=cfg(vector_code)");
     println!("cargo::rustc-check-cfg=cfg(avx_code)");
+    println!("cargo::rustc-check-cfg=cfg(vectors_alone)");
     let of = |variable: &str| env::var(variable).unwrap_or_default();
     let features = of("CARGO_CFG_TARGET_FEATURE");
     let has = |wanted: &str| features.split(',').any(|feature| feature == wanted);
@@ -25,6 +27,9 @@ fn main() {
         println!("cargo::rustc-cfg=vector_code");
         if architecture == "x86_64" {
             println!("cargo::rustc-cfg=avx_code");
+        }
+        if architecture == "wasm32" && of("CARGO_CFG_TARGET_OS") == "unknown" {
+            println!("cargo::rustc-cfg=vectors_alone");
         }
     }
 }

@@ -18,7 +18,7 @@ use crate::pile::{plain_scene, settings};
 
 /// A snapshot, a record as CSV and one as glTF, in single and double precision.
 const PINNED: [[u64; 3]; 2] = [
-    [0xa595_7c33_f4db_6f55, 0x367d_8607_eedc_f85d, 0xf1bf_8635_aa39_ac53],
+    [0x4ba8_5bd3_2d5d_b115, 0x367d_8607_eedc_f85d, 0xf1bf_8635_aa39_ac53],
     [0x2a78_2496_c8ef_64e3, 0xb969_0a96_f6c9_5cb6, 0x3c2b_eb0f_dcee_8db4],
 ];
 

@@ -267,7 +267,9 @@ impl CollisionPipeline {
         let Self { collider_states, colliders, contacts: ContactSet { records, rounds, .. }, .. } = self;
         rounds.clear();
         let numbered = (0..).zip(&*records);
-        rounds.extend(numbered.filter_map(|contact| RoundContact::of(contact, colliders, &collider_states.states)));
+        let part_of_step = 1.0 / settings.contact_substeps_each() as Real;
+        let of = |contact| RoundContact::of(contact, colliders, &collider_states.states, part_of_step);
+        rounds.extend(numbered.filter_map(of));
         woken
     }
 

@@ -26,19 +26,27 @@ pub(crate) struct RoundContact {
     pub(crate) has_non_dynamic: bool,
     /// The first body's centre of mass.
     apart: Vec3<Real>,
-    /// How near surfaces are a contact \[m\].
+    /// How near surfaces are a contact within a substep \[m\].
     margin: Real,
+    /// Shapes whose origins are further apart \[m\] are no contact.
+    far: Real,
 }
+
+/// Within a substep bodies come together by at most this number of times what a substep's part of a
+/// step takes them.
+const SPEED_UP: Real = 2.0;
 
 /// A pair that has moved by less than this part of its margin is where it was.
 const STILL: Real = 1e-3;
 
 impl RoundContact {
-    /// Of a contact of this number; `None` of one that is not found again.
+    /// Of a contact of this number, in substeps of this part of the step; `None` of one that is not
+    /// found again.
     pub(crate) fn of(
         (number, contact): (u32, &ContactRecord),
         colliders: &Colliders,
         states: &[ColliderState],
+        part_of_step: Real,
     ) -> Option<Self> {
         if !contact.is_refined() {
             return None;
@@ -54,6 +62,9 @@ impl RoundContact {
             let body = Isometry { position: position - origin, orientation };
             inner[which].map_or(body, |inner| body.then(&inner))
         });
+        let [reach, margin] = [states[0].reach + states[1].reach, states[0].margin + states[1].margin];
+        let margin = reach.min(margin + SPEED_UP * part_of_step * (reach - margin));
+        let radius = |shape: &ColliderShape<Real>| shape.reach().unwrap_or(Real::INFINITY);
         Some(Self {
             contact: number,
             part,
@@ -62,7 +73,8 @@ impl RoundContact {
             placements,
             has_non_dynamic: !states[0].is_dynamic,
             apart: states[0].center - origin,
-            margin: states[0].reach + states[1].reach,
+            margin,
+            far: radius(first) + radius(second) + margin,
         })
     }
 
@@ -94,11 +106,13 @@ impl RoundContact {
         }
         let [a, b] = &self.placements;
         let (p, q) = (first.orientation, second.orientation);
-        let first_at = Isometry {
-            position: self.apart + slid + p.rotate(a.position - self.apart),
-            orientation: p * a.orientation,
-        };
-        let second_at = Isometry { position: q.rotate(b.position), orientation: q * b.orientation };
+        let positions = [self.apart + slid + p.rotate(a.position - self.apart), q.rotate(b.position)];
+        let apart = positions[1] - positions[0];
+        if apart.dot(apart) > self.far * self.far {
+            return true;
+        }
+        let first_at = Isometry { position: positions[0], orientation: p * a.orientation };
+        let second_at = Isometry { position: positions[1], orientation: q * b.orientation };
         let [one, other] = &self.geometries;
         contact_manifolds(one, &first_at, other, &second_at, self.margin, &mut |part, manifold| {
             found.push((part, *manifold));

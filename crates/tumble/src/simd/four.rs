@@ -33,6 +33,7 @@ pub(crate) trait FourKernel {
     fn run<T: FourLane>(self);
 
     /// Runs it with fours of no instruction set: one function, whatever it is called by.
+    #[cfg(not(vectors_alone))]
     fn portably(self)
     where
         Self: Sized,
@@ -42,6 +43,7 @@ pub(crate) trait FourKernel {
 }
 
 /// Fours of no particular instruction set: the reference.
+#[cfg_attr(vectors_alone, allow(dead_code, reason = "the fours are those of vectors"))]
 #[derive(Clone, Copy)]
 pub(super) struct PortableFour([f64; 4]);
 

@@ -180,6 +180,7 @@ fn tiles<T: Tile, K: Kernel>(kernel: &mut K, mut i: usize) -> usize {
 /// An instruction set.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Level {
+    #[cfg(not(vectors_alone))]
     Scalar,
     #[cfg(vector_code)]
     Baseline,
@@ -192,6 +193,7 @@ enum Level {
 impl Level {
     /// From the narrowest to the widest.
     const ALL: &[Self] = &[
+        #[cfg(not(vectors_alone))]
         Self::Scalar,
         #[cfg(vector_code)]
         Self::Baseline,
@@ -203,6 +205,7 @@ impl Level {
 
     fn name(self) -> &'static str {
         match self {
+            #[cfg(not(vectors_alone))]
             Self::Scalar => "scalar",
             #[cfg(vector_code)]
             Self::Baseline => "baseline",
@@ -215,6 +218,7 @@ impl Level {
 
     fn is_available(self) -> bool {
         match self {
+            #[cfg(not(vectors_alone))]
             Self::Scalar => true,
             #[cfg(vector_code)]
             Self::Baseline => true,
@@ -228,6 +232,7 @@ impl Level {
     /// Widths of the tiles that it has, the widest first.
     fn widths(self) -> &'static [usize] {
         match self {
+            #[cfg(not(vectors_alone))]
             Self::Scalar => &[Real::WIDTH],
             #[cfg(vector_code)]
             Self::Baseline => &target::BASELINE_WIDTHS,
@@ -245,13 +250,14 @@ impl Level {
             let available = || Self::ALL.iter().copied().rev().filter(|level| level.is_available());
             let wanted = env::var("TUMBLE_SIMD").unwrap_or_default();
             let asked_for = available().find(|level| level.name() == wanted);
-            asked_for.or_else(|| available().next()).unwrap_or(Self::Scalar)
+            asked_for.or_else(|| available().next()).unwrap_or(Self::ALL[0])
         })
     }
 
     #[inline]
     fn run(self, kernel: &mut impl Kernel) {
         match self {
+            #[cfg(not(vectors_alone))]
             Self::Scalar => kernel.one_by_one(0),
             #[cfg(vector_code)]
             Self::Baseline => target::with_baseline(kernel),
@@ -265,6 +271,7 @@ impl Level {
     #[inline]
     fn run_in_blocks(self, kernel: &mut impl Kernel) {
         match self {
+            #[cfg(not(vectors_alone))]
             Self::Scalar => kernel.one_by_one(0),
             #[cfg(vector_code)]
             Self::Baseline => target::blocks_with_baseline(kernel),
@@ -279,6 +286,7 @@ impl Level {
     #[inline]
     fn run_fours(self, kernel: impl FourKernel) {
         match self {
+            #[cfg(not(vectors_alone))]
             Self::Scalar => kernel.portably(),
             #[cfg(vector_code)]
             Self::Baseline => target::fours_with_baseline(kernel),

@@ -125,6 +125,8 @@ fn find_locked(world: &World, body_index: &BodyIndex, joints: &JointList, locked
         }));
     }
     locked.retain(|it| it.lock.0 != Axes::NONE);
+    // As archetypes list them they would be in an order that the bodies do not have.
+    locked.sort_unstable_by_key(|it| it.slot);
     if locked.is_empty() || joints.is_empty() {
         return;
     }
