@@ -25,6 +25,7 @@ mod joint_thin_bodies;
 mod joint_universal;
 mod jointed;
 mod joints;
+mod joints_under_load;
 mod joints_with_contacts;
 mod locked_joints;
 mod lying_figures;

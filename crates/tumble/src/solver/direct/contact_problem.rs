@@ -68,6 +68,10 @@ const KEPT: f64 = 0.9;
 /// What a sweep changes of speeds where impulses are found, of the greatest that there were.
 const TOLERANCE: f64 = 1e-9;
 
+/// By how much contacts give way under a load, over what free fall does in a substep to as much
+/// mass as that of all bodies: redundant ones share it.
+const SOFTNESS: f64 = 1e-4;
+
 impl ContactShape {
     /// How many rows it has.
     pub(crate) fn rows(&self) -> usize {
@@ -139,6 +143,40 @@ impl ContactProblem {
 
     pub(crate) fn len(&self) -> usize {
         self.speeds.len()
+    }
+
+    /// Has contacts give way, of bodies of this mass together, and to impulses that they begin with
+    /// no more than these are where positions are met.
+    ///
+    /// What joints hold against the push of a point, or of all points of a contact together, gives
+    /// way to it as if nothing held all bodies.
+    pub(crate) fn soften(&mut self, mass: f64, is_of_positions: bool) {
+        let n = self.len();
+        for contact in &self.contacts {
+            for row in 0..contact.rows() {
+                let at = contact.first + row;
+                let held = 1.0 / mass - self.responses[at * n + at];
+                let held = if row < contact.points { held.max(0.0) } else { 0.0 };
+                let softness = SOFTNESS / mass * contact.scale(at).powi(2) + held;
+                self.responses[at * n + at] += softness;
+                if row < contact.points && is_of_positions {
+                    self.speeds[at] += softness * self.impulses[at];
+                }
+            }
+            let (normals, points) = (contact.normals(), contact.points as f64);
+            let of_row = |row: usize| self.responses[row * n..][normals.clone()].iter().sum::<f64>();
+            let together = normals.clone().map(of_row).sum::<f64>() / (points * points);
+            let held = 1.0 / (mass * points) - together;
+            if held > 0.0 {
+                let push: f64 = self.impulses[normals.clone()].iter().sum();
+                for row in normals.clone() {
+                    self.responses[row * n..][normals.clone()].iter_mut().for_each(|response| *response += held);
+                    if is_of_positions {
+                        self.speeds[row] += held * push;
+                    }
+                }
+            }
+        }
     }
 
     /// Finds the impulses, and the speeds with them.

@@ -71,9 +71,6 @@ pub(crate) struct DirectWork {
 
 /// How often contacts are solved again where joints have changed with them.
 const MAX_REPEATS: u32 = 2;
-/// By how much contacts give way under a load, over what free fall does in a substep to as much
-/// mass as that of all bodies: redundant ones share it.
-const SOFTNESS: f64 = 1e-4;
 /// What is slower moves less than this many roundings of a place in a substep, and is at rest.
 const REST: f64 = 1e-2;
 /// The part of an overlap that is pushed out in a substep.
@@ -159,23 +156,9 @@ impl DirectContacts {
             }
         }
         self.set_responses(solver);
-        let n = self.problem.len();
         let mass: f64 =
             solver.bodies.iter().chain(&self.beside).filter(|body| body.is_moved()).map(MechanismBody::mass).sum();
-        let softness = SOFTNESS / mass;
-        for contact in &self.problem.contacts {
-            for row in 0..contact.rows() {
-                let at = contact.first + row;
-                // What joints hold against the push gives way to it, as if nothing held all bodies.
-                let held = 1.0 / mass - self.problem.responses[at * n + at];
-                let held = if row < contact.points { held.max(0.0) } else { 0.0 };
-                let softness = softness * contact.scale(at).powi(2) + held;
-                self.problem.responses[at * n + at] += softness;
-                if row < contact.points && stage.is_of_positions() {
-                    self.problem.speeds[at] += softness * self.problem.impulses[at];
-                }
-            }
-        }
+        self.problem.soften(mass, stage.is_of_positions());
     }
 
     /// Sets what an impulse along each row does to the speeds of all, with what joints do because

@@ -30,8 +30,9 @@ pub(crate) struct BlockLdl {
     /// The same transposed: where each begins, and the numbers.
     transposed_starts: Vec<usize>,
     transposed: Vec<Four>,
-    /// By place, by how much of itself each number on the diagonal is raised.
+    /// By place, by how much of itself each number on the diagonal is raised, and from which row on.
     softness: Vec<f64>,
+    soft_from: Vec<usize>,
     /// By row, by how much its number on the diagonal was raised.
     raised: Vec<Four>,
     /// For each row and each pair of its blocks, the first of them below: the block that the pair
@@ -39,9 +40,19 @@ pub(crate) struct BlockLdl {
     targets: Vec<u32>,
     /// The rows of every node, if all have as many and there is code for that many, else zero.
     uniform: usize,
-    /// Whether rows may depend on others, and whether one does, as far as the factors tell.
-    may_depend: bool,
+    /// Which rows may depend on others, and whether one does, as far as the factors tell.
+    pub(super) dependence: Dependence,
     pub(crate) has_dependent_rows: bool,
+}
+
+/// Which rows of a matrix may depend on others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Dependence {
+    #[default]
+    None,
+    /// On others of the same node: those past its locked axes.
+    WithinJoints,
+    BetweenJoints,
 }
 
 /// Where the numbers of nodes and blocks are. Where all nodes have the same number of rows, and
@@ -101,14 +112,16 @@ const REGULARIZATION: f64 = 1e-9;
 /// The same where rows may depend on others, which it makes harmless: about as much again is the
 /// rounding of the factors of such rows.
 const REGULARIZATION_OF_DEPENDENT: f64 = 1e-8;
-/// The same by the square of a misfit, and the most.
-const SOFTNESS_OF_MISFIT: f64 = 1e5;
+/// The same by the square of a misfit, or by the misfit where that is less, and the most: the arc of
+/// a loaded bridge answers by little more than what contradicts, and has to hold when it is struck.
+const SOFTNESS_OF_SMALL_MISFIT: f64 = 1e5;
+const SOFTNESS_OF_MISFIT: f64 = 0.3;
 const MAX_SOFTNESS: f64 = 0.1;
 
 impl BlockLdl {
-    /// Of nodes with these numbers of rows, which may depend on others or cannot.
-    pub(crate) fn new(elimination: Elimination, sizes: Vec<usize>, may_depend: bool) -> Self {
-        let mut it = Self { elimination, sizes, may_depend, ..Self::default() };
+    /// Of nodes with these numbers of rows.
+    pub(crate) fn new(elimination: Elimination, sizes: Vec<usize>, dependence: Dependence) -> Self {
+        let mut it = Self { elimination, sizes, dependence, ..Self::default() };
         let Self { elimination, sizes, .. } = &it;
         let starts = ends(sizes.iter().map(|size| fours(*size)));
         let diagonal_starts = ends(sizes.iter().map(|size| size * fours(*size)));
@@ -137,21 +150,28 @@ impl BlockLdl {
         it.weights = it.blocks.clone();
         it.transposed = vec![[0.0; 4]; last(&transposed_starts)];
         it.raised = vec![[0.0; 4]; last(&starts)];
-        let regularization = if may_depend { REGULARIZATION_OF_DEPENDENT } else { REGULARIZATION };
-        it.softness = vec![regularization; it.sizes.len()];
+        it.softness = vec![it.regularization(); it.sizes.len()];
+        it.soft_from = vec![0; it.sizes.len()];
         Self { starts, diagonal_starts, block_starts, transposed_starts, targets, uniform, ..it }
     }
 
     /// Whether rows may depend on others.
     pub(super) fn may_depend(&self) -> bool {
-        self.may_depend
+        self.dependence != Dependence::None
     }
 
-    /// Raises the rows of a node by more where they have a misfit, of the size of the arms or
-    /// \[rad\]: by 1e5 times as much as it makes rows respond.
-    pub(super) fn soften(&mut self, node: usize, misfit: f64) {
-        let softness = (SOFTNESS_OF_MISFIT * misfit * misfit).min(MAX_SOFTNESS);
+    /// By how much of itself a number on the diagonal of no soft row is raised.
+    #[inline(always)]
+    fn regularization(&self) -> f64 {
+        if self.may_depend() { REGULARIZATION_OF_DEPENDENT } else { REGULARIZATION }
+    }
+
+    /// Raises rows of a node by more where they have a misfit, of the size of the arms or \[rad\]: by
+    /// 30 to 1e5 times as much as it makes rows respond. Those before `from` are raised as others are.
+    pub(super) fn soften(&mut self, node: usize, misfit: f64, from: usize) {
+        let softness = (SOFTNESS_OF_SMALL_MISFIT * misfit * misfit).min(SOFTNESS_OF_MISFIT * misfit).min(MAX_SOFTNESS);
         self.softness[node] = softness.max(REGULARIZATION_OF_DEPENDENT);
+        self.soft_from[node] = from;
     }
 
     /// By how much of itself each number on the diagonal of a node is raised.
@@ -212,14 +232,15 @@ impl BlockLdl {
     fn factor_uniform<T: FourLane>(&mut self, uniform: usize) {
         let Self { elimination, sizes, starts, diagonal_starts, block_starts, transposed_starts, .. } = self;
         let layout = Layout { uniform, sizes, starts, diagonal_starts, block_starts, transposed_starts };
-        let Self { diagonal, blocks, weights, transposed, targets, raised, .. } = self;
+        let Self { diagonal, blocks, weights, transposed, targets, raised, dependence, .. } = self;
+        let may_depend = *dependence != Dependence::None;
         let mut targets = targets.iter();
         self.has_dependent_rows = false;
         for row in 0..sizes.len() {
             let (n, w) = (layout.size(row), fours(layout.size(row)));
             let (before, after) = diagonal.split_at_mut(layout.diagonal(row) + n * w);
             let pivot = &mut before[layout.diagonal(row)..];
-            self.has_dependent_rows |= self.may_depend & invert_sized(pivot, &raised[layout.start(row)..], n);
+            self.has_dependent_rows |= may_depend & invert_sized(pivot, &raised[layout.start(row)..], n);
             let range = elimination.blocks_of(row);
             for block in range.clone() {
                 let column = elimination.columns[block] as usize;
@@ -257,13 +278,14 @@ impl BlockLdl {
     #[inline(always)]
     pub(super) fn raise(&mut self, node: usize, n: usize) {
         let w = fours(n);
-        let regularization = self.softness[node];
+        let (softness, from, regularization) = (self.softness[node], self.soft_from[node], self.regularization());
         let numbers = &mut self.diagonal[self.diagonal_starts[node]..][..n * w];
         let raised = &mut self.raised[self.starts[node]..][..w];
         unrolled!(i in n {
             let number = &mut numbers[i * w + i / 4][i % 4];
-            raised[i / 4][i % 4] = *number * regularization;
-            *number *= 1.0 + regularization;
+            let softness = if i < from { regularization } else { softness };
+            raised[i / 4][i % 4] = *number * softness;
+            *number *= 1.0 + softness;
         });
     }
 
@@ -411,7 +433,7 @@ mod tests {
             // Of a third of them all nodes have one size.
             let size = |_| if case % 3 == 0 { 1 + case % 9 } else { 1 + ((number() + 1.0) * 4.49) as usize };
             let sizes: Vec<_> = (0..10).map(size).collect();
-            let mut ldl = BlockLdl::new(elimination, sizes.clone(), true);
+            let mut ldl = BlockLdl::new(elimination, sizes.clone(), Dependence::BetweenJoints);
             let count = 4 * ldl.len();
             let mut dense = vec![vec![0.0; count]; count];
             let place: Vec<_> = (0..10_u32).map(|n| ldl.elimination.order.iter().position(|m| *m == n)).collect();

@@ -177,4 +177,10 @@ impl JointRows {
         let law = row.checked_sub(self.locked).and_then(|row| self.free_rows.get(row));
         law.is_some_and(|law| law.constant.is_some())
     }
+
+    /// Whether a twist, a cone or a distance acts beside another free axis, on which it may depend.
+    pub(crate) fn has_dependent_limits(&self) -> bool {
+        let acting = || self.free_rows.iter().filter(|row| row.constant.is_none());
+        acting().any(|row| row.axis.is_of_limit()) && acting().nth(1).is_some()
+    }
 }

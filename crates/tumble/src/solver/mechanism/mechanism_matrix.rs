@@ -5,7 +5,7 @@ use tumble_math::lane::Vec3;
 use crate::integrators::derived::symmetric_product;
 use crate::simd::{Four, FourKernel, FourLane, dispatch_fours};
 use crate::solver::mechanism::block_kernels::{UNITS, fours, sized, unrolled};
-use crate::solver::mechanism::block_ldl::{BlockLdl, ends};
+use crate::solver::mechanism::block_ldl::{BlockLdl, Dependence, ends};
 use crate::solver::mechanism::elimination::Elimination;
 use crate::solver::mechanism::fours::vector;
 use crate::solver::mechanism::joint_rows::JointRows;
@@ -98,15 +98,20 @@ pub(crate) fn arranged(joints: &[JointRows], moves: &[bool], may_give_up: bool) 
     })?;
     let order = elimination.order.clone();
     let sizes = order.iter().map(|joint| joints[*joint as usize].count).collect();
-    Some((BlockLdl::new(elimination, sizes, may_depend(joints, moves)), order))
+    Some((BlockLdl::new(elimination, sizes, dependence(joints, moves)), order))
 }
 
-/// Whether rows of a mechanism may depend on others: there are loops, or more rows act at a joint
-/// than it has freedoms.
-fn may_depend(joints: &[JointRows], moves: &[bool]) -> bool {
+/// Which rows of a mechanism may depend on others: of several joints, where there are loops, or of
+/// one, where more act than it has freedoms.
+fn dependence(joints: &[JointRows], moves: &[bool]) -> Dependence {
     let (moving, is_held) = (moves.iter().filter(|moves| **moves).count(), moves.contains(&false));
-    let has_loops = joints.len() + usize::from(!is_held) > moving;
-    has_loops || joints.iter().flat_map(|joint| &joint.free_rows).any(|row| row.axis.is_of_limit())
+    if joints.len() + usize::from(!is_held) > moving {
+        Dependence::BetweenJoints
+    } else if joints.iter().flat_map(|joint| &joint.free_rows).any(|row| row.axis.is_of_limit()) {
+        Dependence::WithinJoints
+    } else {
+        Dependence::None
+    }
 }
 
 /// The bodies that joints share, of joints in the order of a matrix, and the blocks of joints that

@@ -8,6 +8,7 @@
 use tumble_math::lane::Vec3;
 
 use crate::joints::axis_lock::AxisLock;
+use crate::solver::mechanism::block_ldl::Dependence;
 use crate::solver::mechanism::free_row::FreeRow;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_solver::MechanismSolver;
@@ -25,18 +26,21 @@ pub(super) const MIN_MISFIT: f64 = 3e-7;
 const RAISED: f64 = 1e-8;
 
 impl MechanismSolver {
-    /// Softens the rows of joints that are not met where the substep begins.
+    /// Softens the rows of joints that are not met where the substep begins, where they may contradict
+    /// others: in loops all, elsewhere those of limits beside others of the same joint. Rows of a
+    /// chain never do, and a weight behind light links responds by as little as what contradicts.
     pub(super) fn soften(&mut self) {
         let Self { joints, matrix, .. } = self;
         self.is_softened = false;
         if !matrix.may_depend() {
             return;
         }
+        let has_loops = matrix.dependence == Dependence::BetweenJoints;
         for (number, joint) in joints.iter().enumerate() {
-            let misfit = joint.misfit();
+            let misfit = if has_loops || joint.has_dependent_limits() { joint.misfit() } else { 0.0 };
             let is_soft = misfit > MIN_MISFIT;
             self.is_softened |= is_soft;
-            matrix.soften(number, if is_soft { misfit } else { 0.0 });
+            matrix.soften(number, if is_soft { misfit } else { 0.0 }, if has_loops { 0 } else { joint.locked });
         }
     }
 
