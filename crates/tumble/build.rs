@@ -1,6 +1,6 @@
 //! Decides whether vector code is compiled: `cfg(vector_code)`, where there is some for the target,
-//! and `cfg(avx_code)`, that of x86-64 besides; but none without optimisation. `cfg(vectors_alone)`
-//! in browsers, where there is no environment to ask for other code in, and less of it loads sooner.
+//! and `cfg(avx_code)`, that of x86-64 besides; but none without optimisation. In browsers there is
+//! `cfg(vectors_alone)`: no environment asks for other code there, and less of it loads sooner.
 //!
 //! A kernel is one function into which everything is inlined. Unoptimised, each of its thousands of
 //! intermediate vectors gets memory of its own on the stack, megabytes of it, and a game's debug
