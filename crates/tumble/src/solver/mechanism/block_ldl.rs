@@ -30,7 +30,7 @@ pub(crate) struct BlockLdl {
     /// The same transposed: where each begins, and the numbers.
     transposed_starts: Vec<usize>,
     transposed: Vec<Four>,
-    /// By place, by how much of itself each number on the diagonal is raised, and from which row on.
+    /// By place, by how much of itself each number on the diagonal is raised, and from which row.
     softness: Vec<f64>,
     soft_from: Vec<usize>,
     /// By row, by how much its number on the diagonal was raised.
@@ -112,8 +112,8 @@ const REGULARIZATION: f64 = 1e-9;
 /// The same where rows may depend on others, which it makes harmless: about as much again is the
 /// rounding of the factors of such rows.
 const REGULARIZATION_OF_DEPENDENT: f64 = 1e-8;
-/// The same by the square of a misfit, or by the misfit where that is less, and the most: the arc of
-/// a loaded bridge answers by little more than what contradicts, and has to hold when it is struck.
+/// The same by the square of a misfit, or by the misfit where that is less, and the most: a loaded
+/// bridge answers by little more than what contradicts, and has to hold when it is struck.
 const SOFTNESS_OF_SMALL_MISFIT: f64 = 1e5;
 const SOFTNESS_OF_MISFIT: f64 = 0.3;
 const MAX_SOFTNESS: f64 = 0.1;
@@ -166,8 +166,8 @@ impl BlockLdl {
         if self.may_depend() { REGULARIZATION_OF_DEPENDENT } else { REGULARIZATION }
     }
 
-    /// Raises rows of a node by more where they have a misfit, of the size of the arms or \[rad\]: by
-    /// 30 to 1e5 times as much as it makes rows respond. Those before `from` are raised as others are.
+    /// Raises rows of a node from one on by more where they have a misfit, of the size of the arms
+    /// or \[rad\]: by 30 to 1e5 times as much as it makes rows respond.
     pub(super) fn soften(&mut self, node: usize, misfit: f64, from: usize) {
         let softness = (SOFTNESS_OF_SMALL_MISFIT * misfit * misfit).min(SOFTNESS_OF_MISFIT * misfit).min(MAX_SOFTNESS);
         self.softness[node] = softness.max(REGULARIZATION_OF_DEPENDENT);

@@ -26,9 +26,9 @@ pub(super) const MIN_MISFIT: f64 = 3e-7;
 const RAISED: f64 = 1e-8;
 
 impl MechanismSolver {
-    /// Softens the rows of joints that are not met where the substep begins, where they may contradict
-    /// others: in loops all, elsewhere those of limits beside others of the same joint. Rows of a
-    /// chain never do, and a weight behind light links responds by as little as what contradicts.
+    /// Softens the rows of joints that are not met where the substep begins, where they may
+    /// contradict others: in loops all, elsewhere those of limits beside others of the same joint.
+    /// A weight behind light links responds by as little as what contradicts.
     pub(super) fn soften(&mut self) {
         let Self { joints, matrix, .. } = self;
         self.is_softened = false;
