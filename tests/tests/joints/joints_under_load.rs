@@ -1,6 +1,6 @@
-//! Promise: joints under loads of up to a thousand times their bodies' weights stay closed, or close
-//! where they begin apart, beside a limit, in a loop and a kilometre from the origin; and what a
-//! joint presses on the ground is not thrown when the joint goes.
+//! Promise: joints under loads of up to a thousand times their bodies' weights stay closed, or
+//! close where they begin apart, beside a limit, in a loop and a kilometre from the origin; and what
+//! a joint presses on the ground is not thrown when the joint goes.
 //!
 //! Why: a weight behind light links answers to an impulse by as little as what joints that
 //! contradict each other lock. It fails if its joint is taken for one that contradicts others and
