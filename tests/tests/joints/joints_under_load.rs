@@ -1,6 +1,6 @@
 //! Promise: joints under loads of up to a thousand times their bodies' weights stay closed, or
-//! close where they begin apart, beside a limit, in a loop and a kilometre from the origin; and what
-//! a joint presses on the ground is not thrown when the joint goes.
+//! close where they begin apart, beside a limit, in a loop and a kilometre from the origin. What a
+//! joint presses on the ground is not thrown when the joint goes.
 //!
 //! Why: a weight behind light links answers to an impulse by as little as what joints that
 //! contradict each other lock. It fails if its joint is taken for one that contradicts others and
@@ -8,7 +8,7 @@
 
 use glam::{DQuat, DVec3};
 use hecs::Entity;
-use tumble::math::Real;
+use tumble::math::{Quat, Real};
 use tumble::{Axes, Breakable, Collider, Cone, Gain, Joint, Limit, Limits, Material, RigidBody, Shape};
 use tumble_tests::touching::ground;
 use tumble_tests::{Draw, by_precision, cases};
@@ -127,7 +127,7 @@ fn pressed(case: u64, how_it_ends: u32) -> f64 {
     let size = draw.log_between(0.02, 5.0);
     let depth = draw.log_between(2e-4, 1e-2) * size;
     let mut rig = Rig::new(down(), 1.0 / 60.0, 1 + draw.between(0.0, 16.0) as u32);
-    ground(&mut rig.world, Material::default(), glam::Quat::IDENTITY.into());
+    ground(&mut rig.world, Material::default(), Quat::IDENTITY);
     let half = DVec3::new(0.5, draw.between(0.1, 0.5), draw.between(0.2, 0.5)) * size;
     let center = DVec3::Y * (half.y - depth);
     let shape = Shape::cuboid(half);

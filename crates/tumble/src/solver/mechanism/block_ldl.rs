@@ -112,11 +112,12 @@ const REGULARIZATION: f64 = 1e-9;
 /// The same where rows may depend on others, which it makes harmless: about as much again is the
 /// rounding of the factors of such rows.
 const REGULARIZATION_OF_DEPENDENT: f64 = 1e-8;
-/// The same by the square of a misfit, or by the misfit where that is less, and the most: a loaded
-/// bridge answers by little more than what contradicts, and has to hold when it is struck.
-const SOFTNESS_OF_SMALL_MISFIT: f64 = 1e5;
-const SOFTNESS_OF_MISFIT: f64 = 0.3;
+/// The same by the square of a misfit, and the most.
+const SOFTNESS_OF_MISFIT: f64 = 1e5;
 const MAX_SOFTNESS: f64 = 0.1;
+/// By the misfit, where that is less, of what touches something: a loaded bridge answers by little
+/// more than what contradicts, and has to hold when it is struck.
+const SOFTNESS_OF_TOUCHED: f64 = 0.3;
 
 impl BlockLdl {
     /// Of nodes with these numbers of rows.
@@ -167,10 +168,11 @@ impl BlockLdl {
     }
 
     /// Raises rows of a node from one on by more where they have a misfit, of the size of the arms
-    /// or \[rad\]: by 30 to 1e5 times as much as it makes rows respond.
-    pub(super) fn soften(&mut self, node: usize, misfit: f64, from: usize) {
-        let softness = (SOFTNESS_OF_SMALL_MISFIT * misfit * misfit).min(SOFTNESS_OF_MISFIT * misfit).min(MAX_SOFTNESS);
-        self.softness[node] = softness.max(REGULARIZATION_OF_DEPENDENT);
+    /// or \[rad\]: by up to 1e5 times as much as it makes rows respond.
+    pub(super) fn soften(&mut self, (node, from): (usize, usize), misfit: f64, is_touched: bool) {
+        let softness = (SOFTNESS_OF_MISFIT * misfit * misfit).min(MAX_SOFTNESS);
+        let most = if is_touched { SOFTNESS_OF_TOUCHED * misfit } else { softness };
+        self.softness[node] = softness.min(most).max(REGULARIZATION_OF_DEPENDENT);
         self.soft_from[node] = from;
     }
 

@@ -30,7 +30,7 @@ impl MechanismSolver {
     /// contradict others: in loops all, elsewhere those of limits beside others of the same joint.
     /// A weight behind light links responds by as little as what contradicts.
     pub(super) fn soften(&mut self) {
-        let Self { joints, matrix, .. } = self;
+        let Self { joints, matrix, is_touched, .. } = self;
         self.is_softened = false;
         if !matrix.may_depend() {
             return;
@@ -40,7 +40,8 @@ impl MechanismSolver {
             let misfit = if has_loops || joint.has_dependent_limits() { joint.misfit() } else { 0.0 };
             let is_soft = misfit > MIN_MISFIT;
             self.is_softened |= is_soft;
-            matrix.soften(number, if is_soft { misfit } else { 0.0 }, if has_loops { 0 } else { joint.locked });
+            let rows = (number, if has_loops { 0 } else { joint.locked });
+            matrix.soften(rows, if is_soft { misfit } else { 0.0 }, *is_touched);
         }
     }
 

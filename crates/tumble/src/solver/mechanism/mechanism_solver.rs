@@ -60,6 +60,8 @@ pub(crate) struct MechanismSolver {
     pub(super) pulls: Vec<f64>,
     /// By row: how impulses change the speeds.
     pub(super) response: Vec<Four>,
+    /// Whether contacts act on the bodies in this step.
+    pub(super) is_touched: bool,
     /// Whether rows are raised by more, as joints are not met.
     pub(super) is_softened: bool,
     /// What the right side was before a solution, and a sum of solutions.
@@ -131,6 +133,7 @@ impl MechanismSolver {
             response: vec![[0.0; 4]; matrix.len()],
             asked: vec![[0.0; 4]; matrix.len()],
             solved: vec![[0.0; 4]; matrix.len()],
+            is_touched: false,
             is_softened: false,
             contradiction: 0.0,
             contradicts: false,

@@ -230,6 +230,7 @@ impl Mechanisms {
         let Self { list, loads, mechanisms, active, is_touched, gears, .. } = self;
         for mechanism in mechanisms {
             mechanism.is_touched = mechanism.slots.iter().any(|slot| is_touched[slot.index()]);
+            mechanism.solver.is_touched = mechanism.is_touched;
             mechanism.solver.bodies.clear();
             for slot in &mechanism.slots {
                 let Some(row) = constrained.row(*slot) else { continue };
