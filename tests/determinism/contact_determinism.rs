@@ -21,7 +21,7 @@ const STEPS: u32 = 120;
 
 /// The hash of the pile after 200 steps, in single and double precision. A new hash is a new
 /// arithmetic, of contacts or of what finds them; see `determinism.rs`.
-const PINNED: [u64; 2] = [0xae47_a257_3d00_2cc4, 0x8ecf_07fe_003e_144a];
+const PINNED: [u64; 2] = [0xae47_a257_3d00_2cc4, 0xeb9c_6395_9d0e_274f];
 /// The same of eight boxes that fall on each other, which neither bounce nor resist rolling, after
 /// 90 steps.
 const PINNED_BOXES: [u64; 2] = [0x366d_8f1c_520d_7f8a, 0x636a_a16f_4f54_0406];
