@@ -248,7 +248,7 @@ impl<'a> Moving<'a> {
     /// this, where they have this gap at the moment.
     fn least_until(&self, gap: &Gap, moment: f64, end: f64) -> f64 {
         let from = moment.min(end);
-        let turns = self.courses.into_iter().flat_map(|course| course.turns());
+        let turns = self.courses.into_iter().flat_map(Course::turns);
         let legs = turns.filter(|turn| (from..moment.max(end)).contains(turn)).chain([from]);
         // Backwards in time all goes the other way.
         let sign = if end < moment { 1.0 } else { -1.0 };
@@ -278,7 +278,7 @@ impl<'a> Moving<'a> {
                 let Gap { distance, normal, .. } = gap;
                 return Some(Advance::Met(Meeting { moment: now, is_hit: true, distance, normal }));
             }
-            let end = self.courses.iter().flat_map(|course| course.turns()).filter(|end| *end > now);
+            let end = self.courses.iter().flat_map(Course::turns).filter(|end| *end > now);
             let end = end.fold(1.0, f64::min);
             let rate = self.rate(self.way(now), gap.normal);
             let passes = rate * (end - now) < gap.distance - tolerance;
@@ -421,7 +421,7 @@ mod tests {
             (a, b) in (course(), course()),
             (moment, end, part) in (0.0..1.0, 0.0..1.0, 0.0..1.0),
         ) {
-            let convex = [&first, &second].map(|shape| Convex::of(shape));
+            let convex = [&first, &second].map(Convex::of);
             let [Some(one), Some(other)] = convex else { return Ok(()) };
             let moving = Moving::new(one, other, [&first, &second], [&a, &b]);
             let Some(gap) = moving.gap(moment) else { return Ok(()) };
