@@ -278,7 +278,7 @@ impl<'a> Moving<'a> {
                 let Gap { distance, normal, .. } = gap;
                 return Some(Advance::Met(Meeting { moment: now, is_hit: true, distance, normal }));
             }
-            let end = self.courses.iter().flat_map(Course::turns).filter(|end| *end > now);
+            let end = self.courses.iter().flat_map(|course| course.turns()).filter(|end| *end > now);
             let end = end.fold(1.0, f64::min);
             let rate = self.rate(self.way(now), gap.normal);
             let passes = rate * (end - now) < gap.distance - tolerance;
