@@ -61,6 +61,11 @@ fn shuffled(count: usize, seed: u64) -> Vec<usize> {
     all.into_iter().map(|(_, i)| i).collect()
 }
 
+/// Numbers from 0, with a seed in another order.
+fn order(count: usize, seed: Option<u64>, salt: u64) -> Vec<usize> {
+    seed.map_or_else(|| (0..count).collect(), |seed| shuffled(count, seed + salt))
+}
+
 /// A chain of light links with a heavy end, swung: its links have loads that raise their inertia.
 fn chain(world: &mut World, reversed: bool) {
     let beam = RigidBody::new(Shape::Point).id(BodyId(1000)).fixed().build().unwrap().spawn(world);
@@ -103,10 +108,7 @@ fn scene(seed: Option<u64>) -> World {
     let origin = glam::DVec3::new(0.0, 30.0, 60.0);
     let class = Class { bodies: 14, first_id: 5000, loops: 0.2, is_fixed: true, origin, ..Class::PLAIN };
     let plan = mechanism(class, &mut Draw::new(0x5E, 2));
-    let order = |count: usize, salt: u64| match seed {
-        Some(seed) => shuffled(count, seed + salt),
-        None => (0..count).collect(),
-    };
+    let order = |count, salt| order(count, seed, salt);
     let (_, joints) = plan.spawn(&mut world, &order(plan.bodies.len(), 200), &order(plan.joints.len(), 300));
     add_options(&mut world, &joints, Options { has_springs: true, breaks: false, size: 0.5, mass: 5.0 }, 0);
     world
@@ -118,10 +120,7 @@ fn scene_in_passes(seed: Option<u64>) -> World {
     let class = Class { bodies: 40, first_id: 6000, loops: 0.4, origin: glam::DVec3::Y * 60.0, ..Class::PLAIN };
     let mut plan = mechanism(class, &mut Draw::new(0x5E, 3));
     plan.joints.iter_mut().for_each(|joint| joint.kind = [0, 1, 6][joint.kind % 3]);
-    let order = |count: usize, salt: u64| match seed {
-        Some(seed) => shuffled(count, seed + salt),
-        None => (0..count).collect(),
-    };
+    let order = |count, salt| order(count, seed, salt);
     plan.spawn(&mut world, &order(plan.bodies.len(), 400), &order(plan.joints.len(), 500));
     world
 }
@@ -130,10 +129,7 @@ fn plain_scene(seed: Option<u64>) -> World {
     let mut world = World::new();
     let class = Class { bodies: 14, loops: 0.3, aspect: 10.0, origin: glam::DVec3::Y * 30.0, ..Class::PLAIN };
     let plan = mechanism(class, &mut Draw::new(0x5E, 1));
-    let order = |count: usize, salt: u64| match seed {
-        Some(seed) => shuffled(count, seed + salt),
-        None => (0..count).collect(),
-    };
+    let order = |count, salt| order(count, seed, salt);
     // Scenery without an id goes by its entity, so it comes first.
     falling_chain(&mut world);
     plan.spawn(&mut world, &order(plan.bodies.len(), 0), &order(plan.joints.len(), 100));
@@ -240,10 +236,7 @@ fn scene_of_locked(seed: Option<u64>) -> World {
     let mut world = World::new();
     let class = Class { bodies: 14, first_id: 7000, loops: 0.3, ..Class::PLAIN };
     let plan = mechanism(class, &mut Draw::new(0x5E, 4));
-    let order = |count: usize, salt: u64| match seed {
-        Some(seed) => shuffled(count, seed + salt),
-        None => (0..count).collect(),
-    };
+    let order = |count, salt| order(count, seed, salt);
     let (bodies, _) = plan.spawn(&mut world, &order(plan.bodies.len(), 600), &order(plan.joints.len(), 700));
     for (i, body) in bodies.into_iter().enumerate() {
         if i % 3 != 2 {

@@ -12,7 +12,7 @@ use crate::lanes::{Lanes, Register, registers};
 /// How long and how often things are measured.
 #[derive(Clone, Copy)]
 pub(crate) struct Effort {
-    /// A block takes about so long \[s\].
+    /// How long a block takes, about \[s\].
     pub(crate) block: f64,
     pub(crate) blocks: u32,
 }

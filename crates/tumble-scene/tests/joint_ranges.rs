@@ -66,8 +66,8 @@ impl Wheel {
         Self { world, simulation, joint, axis, angle: 0.0 }
     }
 
-    /// Drives it for so long one way that it makes this angle if nothing stops it, and returns the
-    /// least and the greatest angle on the way.
+    /// Drives it one way for the time in which it makes this angle if nothing stops it, and returns
+    /// the least and the greatest angle on the way.
     fn drive(&mut self, by: f64) -> [f64; 2] {
         let motor = Drive::velocity(Axes::EACH[self.axis], (SPEED * by.signum()) as Real).with_max_force(20.0);
         self.world.insert_one(self.joint, Drives::from(motor)).unwrap();

@@ -25,7 +25,7 @@ use crate::sliders::{Grip, Panel};
 use crate::tuning::Change;
 use crate::viewport::{Canvas, Follow, Viewport};
 
-/// A frame may take so long to simulate; what it then lacks is not made up for.
+/// The longest that a frame may take to simulate; what it then lacks is not made up for.
 const BUDGET: Duration = Duration::from_millis(12);
 /// Figures that change more often cannot be read.
 const BOOKS: Duration = Duration::from_millis(100);

@@ -10,7 +10,7 @@ pub(crate) enum Stop {
     Walk(Real, Real),
     Run(Real, Real),
     Shoot(Vec3),
-    /// Takes hold of what is there, and pulls it to the second point for so long \[s\].
+    /// Takes hold of what is there, and pulls it to the second point for a time \[s\].
     Pull(Vec3, Vec3, Real),
     Car,
     Drive(Real, Real),

@@ -2,17 +2,18 @@
 //! close where they begin apart, beside a limit, in a loop and a kilometre from the origin. What a
 //! joint presses on the ground is not thrown when the joint goes.
 //!
-//! Why: a weight behind light links answers to an impulse by as little as what joints that
+//! Why: a weight behind light links responds to an impulse by as little as what joints that
 //! contradict each other lock. It fails if its joint is taken for one that contradicts others and
 //! gives way, by hundreds of metres, or if the contact of a held body takes a load without bound.
 
 use glam::{DQuat, DVec3};
 use hecs::Entity;
 use tumble::math::{Quat, Real};
-use tumble::{Axes, Breakable, Collider, Cone, Gain, Joint, Limit, Limits, Material, RigidBody, Shape};
+use tumble::{Axes, Breakable, Cone, Gain, Joint, Limit, Limits, Material, RigidBody, Shape};
 use tumble_tests::touching::ground;
 use tumble_tests::{Draw, by_precision, cases};
 
+use crate::direct_contacts::cuboid;
 use crate::jointed::*;
 
 /// A limit of the first joint of a chain that hangs: its cone or its twist, hard or soft.
@@ -90,20 +91,15 @@ fn loaded_bridge(case: u64) -> (f64, f64) {
         } else {
             let (from, to) = (point(i), point(i + 1));
             let turn = DQuat::from_rotation_arc(DVec3::X, (to - from).normalize());
-            let collider = Collider::new(&Shape::cuboid(half)).unwrap().with_material(material).unwrap();
-            let body = RigidBody::new(Shape::cuboid(half)).mass(5.0).position(real((from + to) * 0.5));
-            rig.spawn(body.orientation(tumble_tests::references::real_quat(turn)).collider(collider))
+            cuboid(&mut rig, half, 5.0, (from + to) * 0.5, turn, material)
         };
         let kind = if is_hinge { Joint::hinge } else { Joint::ball };
         rig.join_at(kind(last, next), point(i), DVec3::Z);
         last = next;
     }
     let up = height(0.5 * planks as f64) + draw.between(0.6, 1.5) * size;
-    let crate_half = DVec3::splat(0.4 * size);
-    let collider = Collider::new(&Shape::cuboid(crate_half)).unwrap().with_material(material).unwrap();
     let at = DVec3::new(0.5 * planks as f64 * size, up, 0.0);
-    let mass = draw.log_between(5.0, 500.0);
-    rig.spawn(RigidBody::new(Shape::cuboid(crate_half)).mass(mass).position(real(at)).collider(collider));
+    cuboid(&mut rig, DVec3::splat(0.4 * size), draw.log_between(5.0, 500.0), at, DQuat::IDENTITY, material);
     let mut most = 0.0_f64;
     for _ in 0..300 {
         rig.step();
@@ -130,9 +126,7 @@ fn pressed(case: u64, how_it_ends: u32) -> f64 {
     ground(&mut rig.world, Material::default(), Quat::IDENTITY);
     let half = DVec3::new(0.5, draw.between(0.1, 0.5), draw.between(0.2, 0.5)) * size;
     let center = DVec3::Y * (half.y - depth);
-    let shape = Shape::cuboid(half);
-    let body = RigidBody::new(shape.clone()).mass(draw.log_between(0.1, 100.0)).position(real(center));
-    let body = rig.spawn(body.collider(Collider::new(&shape).unwrap()));
+    let body = cuboid(&mut rig, half, draw.log_between(0.1, 100.0), center, DQuat::IDENTITY, Material::default());
     let base = rig.ground();
     let kind = [Joint::ball, Joint::universal, Joint::hinge, Joint::fixed][case as usize % 4];
     let joint = rig.join_at(kind(base, body), center, DVec3::X);

@@ -17,7 +17,7 @@ use crate::tuning::Change;
 
 /// Radius of a ball, in radii of the frame.
 const BALL: f64 = 0.05;
-/// A ball is so long on its way to the middle of the picture, in seconds of watching.
+/// How long a ball is on its way to the middle of the picture, in seconds of watching.
 const FLIGHT: f64 = 0.5;
 /// Edges of the box around the picked body, and their width \[points\].
 const PICKED: [f32; 4] = [0.95, 0.97, 1.0, 0.55];

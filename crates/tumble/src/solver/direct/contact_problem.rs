@@ -145,11 +145,11 @@ impl ContactProblem {
         self.speeds.len()
     }
 
-    /// Has contacts give way, of bodies of this mass together, and to impulses that they begin with
-    /// no more than these are where positions are met.
+    /// Makes contacts compliant, of bodies with this mass \[kg\] together. Where positions are met
+    /// the compliance is about the impulses that are set.
     ///
-    /// What joints hold against the push of a point, or of all points of a contact together, gives
-    /// way to it as if nothing held all bodies.
+    /// A point that joints hold, or all points of a contact together, respond to a push at least as
+    /// free bodies of that mass would.
     pub(crate) fn soften(&mut self, mass: f64, is_of_positions: bool) {
         let n = self.len();
         for contact in &self.contacts {

@@ -30,9 +30,8 @@ pub(crate) struct BlockLdl {
     /// The same transposed: where each begins, and the numbers.
     transposed_starts: Vec<usize>,
     transposed: Vec<Four>,
-    /// By place, by how much of itself each number on the diagonal is raised, and from which row.
-    softness: Vec<f64>,
-    soft_from: Vec<usize>,
+    /// By place.
+    softness: Vec<Softness>,
     /// By row, by how much its number on the diagonal was raised.
     raised: Vec<Four>,
     /// For each row and each pair of its blocks, the first of them below: the block that the pair
@@ -53,6 +52,14 @@ pub(crate) enum Dependence {
     /// On others of the same node: those past its locked axes.
     WithinJoints,
     BetweenJoints,
+}
+
+/// By how much of itself each number on the diagonal of a node is raised, from which row on; those
+/// before are raised as where there is no misfit.
+#[derive(Clone, Copy, Debug)]
+struct Softness {
+    amount: f64,
+    from: usize,
 }
 
 /// Where the numbers of nodes and blocks are. Where all nodes have the same number of rows, and
@@ -115,8 +122,8 @@ const REGULARIZATION_OF_DEPENDENT: f64 = 1e-8;
 /// The same by the square of a misfit, and the most.
 const SOFTNESS_OF_MISFIT: f64 = 1e5;
 const MAX_SOFTNESS: f64 = 0.1;
-/// By the misfit, where that is less, of what touches something: a loaded bridge answers by little
-/// more than what contradicts, and has to hold when it is struck.
+/// By the misfit, where that is less, of a mechanism in contact: a loaded bridge responds by little
+/// more than joints that contradict each other, and has to hold when it is struck.
 const SOFTNESS_OF_TOUCHED: f64 = 0.3;
 
 impl BlockLdl {
@@ -151,8 +158,7 @@ impl BlockLdl {
         it.weights = it.blocks.clone();
         it.transposed = vec![[0.0; 4]; last(&transposed_starts)];
         it.raised = vec![[0.0; 4]; last(&starts)];
-        it.softness = vec![it.regularization(); it.sizes.len()];
-        it.soft_from = vec![0; it.sizes.len()];
+        it.softness = vec![Softness { amount: it.regularization(), from: 0 }; it.sizes.len()];
         Self { starts, diagonal_starts, block_starts, transposed_starts, targets, uniform, ..it }
     }
 
@@ -171,15 +177,14 @@ impl BlockLdl {
     /// or \[rad\]: by up to 1e5 times as much as it makes rows respond.
     pub(super) fn soften(&mut self, (node, from): (usize, usize), misfit: f64, is_touched: bool) {
         let softness = (SOFTNESS_OF_MISFIT * misfit * misfit).min(MAX_SOFTNESS);
-        let most = if is_touched { SOFTNESS_OF_TOUCHED * misfit } else { softness };
-        self.softness[node] = softness.min(most).max(REGULARIZATION_OF_DEPENDENT);
-        self.soft_from[node] = from;
+        let softness = if is_touched { softness.min(SOFTNESS_OF_TOUCHED * misfit) } else { softness };
+        self.softness[node] = Softness { amount: softness.max(REGULARIZATION_OF_DEPENDENT), from };
     }
 
     /// By how much of itself each number on the diagonal of a node is raised.
     #[inline(always)]
     pub(super) fn softness(&self, node: usize) -> f64 {
-        self.softness[node]
+        self.softness[node].amount
     }
 
     /// By how much each row of a node was raised.
@@ -280,12 +285,12 @@ impl BlockLdl {
     #[inline(always)]
     pub(super) fn raise(&mut self, node: usize, n: usize) {
         let w = fours(n);
-        let (softness, from, regularization) = (self.softness[node], self.soft_from[node], self.regularization());
+        let (Softness { amount, from }, regularization) = (self.softness[node], self.regularization());
         let numbers = &mut self.diagonal[self.diagonal_starts[node]..][..n * w];
         let raised = &mut self.raised[self.starts[node]..][..w];
         unrolled!(i in n {
             let number = &mut numbers[i * w + i / 4][i % 4];
-            let softness = if i < from { regularization } else { softness };
+            let softness = if i < from { regularization } else { amount };
             raised[i / 4][i % 4] = *number * softness;
             *number *= 1.0 + softness;
         });

@@ -28,7 +28,7 @@ const RAISED: f64 = 1e-8;
 impl MechanismSolver {
     /// Softens the rows of joints that are not met where the substep begins, where they may
     /// contradict others: in loops all, elsewhere those of limits beside others of the same joint.
-    /// A weight behind light links responds by as little as what contradicts.
+    /// A weight behind light links responds by as little as joints that contradict each other.
     pub(super) fn soften(&mut self) {
         let Self { joints, matrix, is_touched, .. } = self;
         self.is_softened = false;

@@ -60,7 +60,7 @@ pub(crate) struct MechanismSolver {
     pub(super) pulls: Vec<f64>,
     /// By row: how impulses change the speeds.
     pub(super) response: Vec<Four>,
-    /// Whether contacts act on the bodies in this step.
+    /// Whether a contact acts on one of the bodies in this substep.
     pub(super) is_touched: bool,
     /// Whether rows are raised by more, as joints are not met.
     pub(super) is_softened: bool,

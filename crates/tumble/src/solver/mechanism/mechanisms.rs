@@ -71,8 +71,6 @@ pub(super) struct Mechanism {
     /// Those of its bodies that have locked axes. For each the solver has, past these bodies, one
     /// that does not move.
     locked: Vec<LockedEnd>,
-    /// Whether a contact acts on one of its bodies in this substep.
-    pub(super) is_touched: bool,
     /// The contacts that are solved with the joints.
     pub(super) direct: DirectContacts,
     /// Whether all its numbers are finite.
@@ -229,8 +227,7 @@ impl Mechanisms {
     ) {
         let Self { list, loads, mechanisms, active, is_touched, gears, .. } = self;
         for mechanism in mechanisms {
-            mechanism.is_touched = mechanism.slots.iter().any(|slot| is_touched[slot.index()]);
-            mechanism.solver.is_touched = mechanism.is_touched;
+            mechanism.solver.is_touched = mechanism.slots.iter().any(|slot| is_touched[slot.index()]);
             mechanism.solver.bodies.clear();
             for slot in &mechanism.slots {
                 let Some(row) = constrained.row(*slot) else { continue };
@@ -338,7 +335,7 @@ impl Mechanisms {
 
     /// Advances the mechanisms that nothing touches by substeps of `h` \[s\].
     pub(crate) fn advance_untouched(&mut self, substeps: u32, h: Real) {
-        let untouched = |mechanism: &&mut Mechanism| !mechanism.is_touched;
+        let untouched = |mechanism: &&mut Mechanism| !mechanism.solver.is_touched;
         let advance = |mechanism: &mut Mechanism| {
             mechanism.is_sound = mechanism.solver.advance(substeps, f64::from(h));
         };
@@ -352,13 +349,13 @@ impl Mechanisms {
 
     /// How many dynamic bodies belong to mechanisms that have been advanced already.
     pub(crate) fn advanced(&self) -> usize {
-        let advanced = self.mechanisms.iter().filter(|mechanism| !mechanism.is_touched && mechanism.is_sound);
+        let advanced = self.mechanisms.iter().filter(|mechanism| !mechanism.solver.is_touched && mechanism.is_sound);
         advanced.flat_map(|mechanism| &mechanism.solver.bodies).filter(|body| body.is_moved()).count()
     }
 
     /// Whether any contact acts on a mechanism.
     pub(crate) fn are_touched(&self) -> bool {
-        self.mechanisms.iter().any(|mechanism| mechanism.is_touched)
+        self.mechanisms.iter().any(|mechanism| mechanism.solver.is_touched)
     }
 
     /// Takes back the halvings of contacts in islands with mechanisms, which have the substeps of
@@ -401,7 +398,7 @@ impl Mechanisms {
             works.before_joints(bodies);
         }
         let Self { list, mechanisms, loads, active, done, values_and_speeds, .. } = self;
-        for Mechanism { solver, slots, joints, locked, is_touched, is_sound, .. } in mechanisms {
+        for Mechanism { solver, slots, joints, locked, is_sound, .. } in mechanisms {
             if !*is_sound {
                 // Its bodies have moved as if they had no joints.
                 slots.iter().for_each(|slot| loads[slot.index()] = 0.0);
@@ -410,7 +407,7 @@ impl Mechanisms {
             }
             for (slot, body) in slots.iter().zip(&mut solver.bodies) {
                 loads[slot.index()] = body.load();
-                if *is_touched {
+                if solver.is_touched {
                     body.write_own_momentum(bodies);
                 } else {
                     body.write(bodies);
@@ -461,7 +458,7 @@ impl Mechanisms {
 impl Mechanism {
     fn new(solver: MechanismSolver, slots: Vec<Slot>, joints: Vec<u32>, locked: Vec<LockedEnd>) -> Self {
         let direct = DirectContacts::default();
-        Self { solver, slots, joints, locked, is_touched: false, direct, is_sound: true }
+        Self { solver, slots, joints, locked, direct, is_sound: true }
     }
 
     /// Has the rows of locked axes begin where the bodies are, along the axes of the world.

@@ -35,10 +35,10 @@ impl Mechanisms {
         let of = Candidates { records, contacts, bodies, h: f64::from(h) };
         choice.begin(of);
         choice.own_passed(passes.rows().filter(|row| bodies.is_dynamic(*row)));
-        for (number, it) in (0..).zip(&*mechanisms).filter(|(_, it)| it.is_touched) {
+        for (number, it) in (0..).zip(&*mechanisms).filter(|(_, it)| it.solver.is_touched) {
             choice.own(number, it.jointed_bodies());
         }
-        for (number, mechanism) in (0..).zip(&mut *mechanisms).filter(|(_, it)| it.is_touched) {
+        for (number, mechanism) in (0..).zip(&mut *mechanisms).filter(|(_, it)| it.solver.is_touched) {
             mechanism.begin_direct();
             choice.choose(of, number, mechanism.jointed_bodies());
             for place in &choice.chosen {
@@ -64,7 +64,7 @@ impl Mechanisms {
     /// To be called before the first substep of touched mechanisms.
     pub(crate) fn begin_touched(&mut self, (bodies, works): (&mut SolverBodies, &mut ContactWorks)) {
         works.before_joints(bodies);
-        for mechanism in self.mechanisms.iter_mut().filter(|mechanism| mechanism.is_touched) {
+        for mechanism in self.mechanisms.iter_mut().filter(|mechanism| mechanism.solver.is_touched) {
             mechanism.solver.begin();
             mechanism.solver.bodies.iter().for_each(|body| body.write_momentum(bodies));
         }
@@ -81,7 +81,7 @@ impl Mechanisms {
         (stage, h): (ContactStage, Real),
     ) {
         let takes_part = |it: &Mechanism| {
-            it.is_touched
+            it.solver.is_touched
                 && match stage {
                     ContactStage::Positions | ContactStage::Velocities => true,
                     ContactStage::PositionsAgain => it.direct.has_passes,
