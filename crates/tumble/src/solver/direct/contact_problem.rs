@@ -148,8 +148,8 @@ impl ContactProblem {
     /// Makes contacts compliant, of bodies with this mass \[kg\] together. Where positions are met
     /// the compliance is about the impulses that are set.
     ///
-    /// A point that joints hold, or all points of a contact together, respond to a push at least as
-    /// free bodies of that mass would.
+    /// A point that joints hold responds to a push at least as a free body of that mass would, and
+    /// all points of a contact together as one of that mass times their number.
     pub(crate) fn soften(&mut self, mass: f64, is_of_positions: bool) {
         let n = self.len();
         for contact in &self.contacts {
