@@ -57,7 +57,7 @@ const BAD_USAGE: u8 = 2;
 
 fn main() -> ExitCode {
     std::panic::set_hook(Box::new(|panic| print(&format_args!("{panic}\n"))));
-    let parsed = if page::IS_THERE { Options::try_parse_from(page::COMMAND_LINE) } else { Options::try_parse() };
+    let parsed = if page::IS_THERE { Ok(Options::of_page()) } else { Options::try_parse() };
     let options = match parsed {
         Ok(options) => options,
         Err(error) if error.use_stderr() => {

@@ -67,14 +67,13 @@ async fn perform(mut viewport: Viewport, task: Task<Output>, pace: f64, options:
     let mut renderer = Renderer::new(&mut gpu, &viewport.playback.bodies)?;
     let writer = Writer::new().map_err(Failure::Running)?;
     match task {
-        Task::Window => window::show(viewport, (gpu, renderer, writer), pace, options).await,
-        Task::Screenshot { file, at } => {
+        Task::Screenshot { file, at } if !page::IS_THERE => {
             viewport.playback.go_to(at);
             let easel = Easel::new(size, Background::Gradient);
             let status = window::status(viewport.playback.time(), pace, pace);
             write_png(file, &easel.draw(&mut viewport, (&mut gpu, &mut renderer, &writer), status))
         }
-        Task::Animation { file, from, frames, fps } => {
+        Task::Animation { file, from, frames, fps } if !page::IS_THERE => {
             let easel = Easel::new(size, Background::Plain);
             let mut images = Vec::new();
             for frame in 0..frames {
@@ -84,6 +83,7 @@ async fn perform(mut viewport: Viewport, task: Task<Output>, pace: f64, options:
             }
             write_gif(file, &images, fps)
         }
+        _ => window::show(viewport, (gpu, renderer, writer), pace, options).await,
     }
 }
 

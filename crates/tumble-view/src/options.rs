@@ -13,6 +13,7 @@ use crate::camera::{Camera, DISTANCES, Up};
 use crate::failure::Failure;
 use crate::layers::{LAYERS, Layers};
 use crate::overlay::KEYS;
+use crate::page;
 use crate::picture::Output;
 
 /// Edges of a picture \[points\]: graphics cards have textures of twice this.
@@ -137,6 +138,30 @@ impl Task<PathBuf> {
 }
 
 impl Options {
+    /// Those of a page, which has no command line: a parser of one would be a part of what it loads.
+    pub(crate) fn of_page() -> Self {
+        let size = Size { width: 1280, height: 720 };
+        let view =
+            ViewOptions { size, show: page::SHOWN.parse().ok(), pick: None, follow: false, camera: None, up: None };
+        Self {
+            scene: page::SCENE.to_owned(),
+            bodies: None,
+            seed: None,
+            dt: None,
+            substeps: None,
+            integrator: None,
+            view,
+            screenshot: None,
+            at: 0.0,
+            animation: None,
+            from: 0.0,
+            duration: 4.0,
+            fps: 20,
+            speed: None,
+            paused: false,
+        }
+    }
+
     /// The scene with the options applied.
     pub(crate) fn scene(&self) -> Result<Scene, Failure> {
         let mut scene = Scene::open_with(&self.scene, self.bodies, self.seed)?;
@@ -290,6 +315,13 @@ pub(crate) mod tests {
     #[test]
     fn the_definition_is_consistent() {
         Options::command().debug_assert();
+    }
+
+    #[test]
+    fn options_of_the_page_are_those_of_its_scene_and_what_it_shows() {
+        let read = options(&[page::SCENE, "--show", page::SHOWN]).unwrap();
+        assert!(read.view.show.is_some());
+        assert_eq!(format!("{:?}", Options::of_page()), format!("{read:?}"));
     }
 
     #[test]

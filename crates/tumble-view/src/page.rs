@@ -7,9 +7,9 @@ use macroquad::miniquad::window::{clipboard_get, clipboard_set};
 
 /// Whether there is a page.
 pub(crate) const IS_THERE: bool = cfg!(target_family = "wasm");
-/// The command line that a page gives.
-pub(crate) const COMMAND_LINE: [&str; 4] =
-    ["tumble-view", "bowling", "--show", "springs,trails,grid,water,shadows,ledger"];
+/// The scene that a page begins with, and what it shows, as options of the command line.
+pub(crate) const SCENE: &str = "bowling";
+pub(crate) const SHOWN: &str = "springs,trails,grid,water,shadows,ledger";
 
 /// What has been heard from the page.
 #[derive(Debug, Default)]

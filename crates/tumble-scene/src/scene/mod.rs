@@ -426,10 +426,13 @@ fn check_count(scene: &str, bodies: usize) -> Result<(), SceneError> {
     Err(invalid(scene, None, FieldError::new("bodies", format!("at most {MAX_BODIES}, not {bodies}"))))
 }
 
+/// Whether there are files to open; a browser has none, and what reads them is left out there.
+const HAS_FILES: bool = !cfg!(all(target_family = "wasm", target_os = "unknown"));
+
 /// What `open` takes for a path.
 pub(crate) fn is_path(name: &str) -> bool {
     let path = Path::new(name);
-    path.extension().is_some() || name.contains(std::path::is_separator)
+    HAS_FILES && (path.extension().is_some() || name.contains(std::path::is_separator))
 }
 
 /// Whether a path ends in `.urdf`.
