@@ -29,7 +29,7 @@ type Measured<'a> = (
 /// count.
 ///
 /// ```
-/// # use tumble::{BodyOrder, Totals, prelude::*};
+/// # use tumble::prelude::*;
 /// # let mut world = hecs::World::new();
 /// RigidBody::new(Shape::Point)
 ///     .mass(2.0)
@@ -37,7 +37,7 @@ type Measured<'a> = (
 ///     .linear_velocity(Vec3::X * 3.0)
 ///     .build()?
 ///     .spawn(&mut world);
-/// let totals = Totals::of(&world, &Settings::default(), &BodyOrder::of(&world));
+/// let totals = Simulation::new(Settings::default())?.totals(&world);
 /// assert_eq!((totals.linear_momentum.x, totals.angular_momentum.z), (6.0, -6.0));
 /// assert!((totals.energy() - (9.0 + 2.0 * 9.81)).abs() < 1e-5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

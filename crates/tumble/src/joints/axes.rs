@@ -1,6 +1,6 @@
 //! Sets of the six axes of a joint.
 
-use std::ops::BitOr;
+use std::ops::{BitAnd, BitOr};
 
 /// A set of the six axes along and about which one body of a joint can move against the other:
 /// three of translation and three of rotation.
@@ -11,6 +11,8 @@ use std::ops::BitOr;
 /// let cylinder = Axes::LINEAR_X | Axes::ANGULAR_X;
 /// assert!(cylinder.contains(Axes::ANGULAR_X) && !cylinder.contains(Axes::LINEAR_Y));
 /// assert_eq!(cylinder.count(), 2);
+/// assert_eq!(cylinder & Axes::LINEAR, Axes::LINEAR_X);
+/// assert_eq!(Axes::EACH.into_iter().filter(|axis| cylinder.contains(*axis)).collect::<Axes>(), cylinder);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Axes(u8);
@@ -63,8 +65,20 @@ impl Axes {
         Self(!self.0 & 0b11_1111)
     }
 
-    pub(crate) const fn bits(self) -> u8 {
+    /// One bit per axis, in the order of [`EACH`](Self::EACH) from the lowest on.
+    pub const fn bits(self) -> u8 {
         self.0
+    }
+
+    /// The set of these [`bits`](Self::bits); `None` where a bit is set that no axis has.
+    ///
+    /// ```
+    /// # use tumble::Axes;
+    /// assert_eq!(Axes::from_bits(0b1000), Some(Axes::ANGULAR_X));
+    /// assert_eq!(Axes::from_bits(64), None);
+    /// ```
+    pub const fn from_bits(bits: u8) -> Option<Self> {
+        if bits & !0b11_1111 == 0 { Some(Self(bits)) } else { None }
     }
 }
 
@@ -74,5 +88,21 @@ impl BitOr for Axes {
 
     fn bitor(self, other: Self) -> Self {
         self.with(other)
+    }
+}
+
+/// What two sets have in common.
+impl BitAnd for Axes {
+    type Output = Self;
+
+    fn bitand(self, other: Self) -> Self {
+        Self(self.0 & other.0)
+    }
+}
+
+/// The union of all sets.
+impl FromIterator<Axes> for Axes {
+    fn from_iter<I: IntoIterator<Item = Axes>>(sets: I) -> Self {
+        sets.into_iter().fold(Self::NONE, Self::with)
     }
 }
