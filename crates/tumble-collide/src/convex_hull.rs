@@ -56,6 +56,8 @@ const SHARP: f64 = -0.5;
 /// Part of the hull's reach by which one corner must be further out than others to be shown in
 /// place of one of them.
 const FURTHER: f64 = 1e-5;
+/// A load's tilt makes others of many corners lower by this part of how far they are pressed in.
+const LOADED: f64 = 0.05;
 
 impl ConvexHull {
     /// The hull of points \[m\].
@@ -196,7 +198,7 @@ impl ConvexHull {
         self.face(d).map_or(d, |face| self.normals[face])
     }
 
-    pub(crate) fn feature(&self, d: Vector) -> Feature<f64> {
+    pub(crate) fn feature(&self, d: Vector, pressed: f64) -> Feature<f64> {
         let Some(place) = self.face(d) else { return Feature::point(self.support(d)) };
         let (face, normal) = (&self.faces[place], self.normals[place]);
         let corners = &self.corners[face.from..face.to];
@@ -214,8 +216,8 @@ impl ConvexHull {
             }
         }
         // Of many corners that furthest out takes the place of one beside it, unless others are as
-        // far but for rounding.
-        if along(furthest) > of_few + FURTHER * self.reach {
+        // far but for rounding and a load's tilt.
+        if along(furthest) > of_few + f64::max(FURTHER * self.reach, LOADED * pressed) {
             let before = places.iter().take(most).rposition(|place| *place <= furthest).unwrap_or(0);
             places[before] = furthest;
         }

@@ -8,6 +8,7 @@ use crate::epa::penetration;
 use crate::face_clipping::FaceClipping;
 use crate::gjk::{Nearest, nearest};
 use crate::manifold::Manifold;
+use crate::manifold_reduction::pressed_in;
 use crate::minkowski::Difference;
 use crate::scalar::Scalar;
 use crate::support_map::{Convex, Vector, narrow, unit, wide};
@@ -107,8 +108,9 @@ pub(crate) fn manifold_of(shapes: &Difference<'_>, found: &Approach, layers: [f6
     let Approach { normal, between, lead, on_first } = *found;
     let separation = between - (layers[0] + layers[1]);
     let face_clipping = FaceClipping { normal, separation, layers, margin };
-    let of_first = shapes.first.feature(normal, margin);
-    let of_second = shapes.second.feature(shapes.turned_back(normal * -1.0), margin);
+    let near = [margin, pressed_in(separation, margin)];
+    let of_first = shapes.first.feature(normal, near);
+    let of_second = shapes.second.feature(shapes.turned_back(normal * -1.0), near);
     let of_second = of_second.seen(|point| shapes.place(point), |v| shapes.turn(v));
     let nearest = on_first + normal * (layers[0] + 0.5 * separation);
     face_clipping.manifold(&of_first, &of_second, nearest, lead)

@@ -5,7 +5,7 @@ use tumble_math::lane::Vec3;
 
 use crate::feature::{Corner, Feature, MAX_CORNERS};
 use crate::manifold::{ContactPoint, Manifold, Points};
-use crate::manifold_reduction::{at_most_extent, keep_nearest, reduce};
+use crate::manifold_reduction::{Cut, at_most_extent, keep_nearest, pressed, reduce};
 use crate::scalar::Scalar;
 
 /// Two pieces along the normal between them.
@@ -100,13 +100,18 @@ impl<R: Scalar> FaceClipping<R> {
     ) -> Manifold<R> {
         let (mut candidates, carried) = self.shared::<N, K, M>(first, second);
         let small = at_most_extent(self.margin, candidates.items());
-        let near = self.separation + lead + small * R::splat(AS_NEAR);
+        let near = self.separation + lead + small * R::splat(AS_NEAR) + pressed(self.separation, self.margin);
         if !candidates.items().iter().any(|point| point.separation <= near) && self.separation <= self.margin {
             candidates.push(ContactPoint { position: nearest, separation: self.separation, feature: u32::MAX });
         }
         let candidates = candidates.items();
-        let mut points =
-            if candidates.is_empty() { Points::none() } else { reduce(candidates, self.normal, self.margin) };
+        let mut points = match candidates {
+            [] => Points::none(),
+            [first, ..] => {
+                let cut = if first.feature & OF_FIRST == 0 { Cut::Second } else { Cut::First };
+                reduce(candidates, cut, self.normal, self.margin)
+            }
+        };
         keep_nearest(&mut points, candidates, near, self.normal);
         Manifold::new(self.normal, carried, points)
     }
@@ -195,7 +200,7 @@ pub(crate) fn is_corner_of_second(feature: u32) -> bool {
 /// What is as near as any of these points.
 pub(crate) fn as_near<R: Scalar>(candidates: &[ContactPoint<R>], margin: R) -> R {
     let least = candidates.iter().fold(margin, |least, point| least.min(point.separation));
-    least + at_most_extent(margin, candidates) * R::splat(AS_NEAR)
+    least + at_most_extent(margin, candidates) * R::splat(AS_NEAR) + pressed(least, margin)
 }
 
 /// What is left of a piece inside the sides of a face, seen along `outwards`, which looks out of

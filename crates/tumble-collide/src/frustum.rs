@@ -23,6 +23,9 @@ const RIM: [[f64; 2]; 8] = {
 /// this part of the radius: less is rounding, and would make the point run around the rim of what
 /// stands still.
 const LOWER: f64 = 1e-4;
+/// And by more than this part of how far it is pressed in, of four places and of eight, half of
+/// `1 - cos(pi/n)`: a load that tilts a cap until its other side parts makes it so much lower.
+const LOADED: [f64; 2] = [0.147, 0.039];
 /// A cap is stood on when its normal is within about 25 degrees; further over it is the rim that
 /// rolls.
 const MIN_COSINE: f64 = 0.9;
@@ -54,12 +57,13 @@ impl Frustum {
     }
 
     /// A cap, or the line on the side that looks along a unit vector.
-    pub(crate) fn feature(&self, d: Vector, margin: f64) -> Feature<f64> {
-        self.cap::<8>(d, margin).unwrap_or_else(|| self.side(d))
+    pub(crate) fn feature(&self, d: Vector, near: [f64; 2]) -> Feature<f64> {
+        self.cap::<8>(d, near).unwrap_or_else(|| self.side(d))
     }
 
-    /// Points of a cap where it is stood on or nearly: all of its rim is within twice the margin.
-    pub(crate) fn cap<const N: usize>(&self, d: Vector, margin: f64) -> Option<Feature<f64>> {
+    /// Points of a cap where it is stood on or nearly: none of its rim is higher than the lowest by
+    /// more than twice the margin and how far it is pressed in \[m\].
+    pub(crate) fn cap<const N: usize>(&self, d: Vector, [margin, pressed]: [f64; 2]) -> Option<Feature<f64>> {
         let normal = self.cap_normal(d)?;
         let upper = normal.y > 0.0;
         let (radius, y) = (self.radii[usize::from(upper)], self.half_height * normal.y);
@@ -69,7 +73,7 @@ impl Frustum {
         let along_side = Vector::new(2.0 * self.half_height, below - above, 0.0);
         let along_side = (along_side.x * around + along_side.y * d.y) / along_side.dot(along_side).sqrt();
         let along_cap = Lane::abs(d.y);
-        if along_cap < along_side || along_cap < MIN_COSINE || radius * around > margin {
+        if along_cap < along_side || along_cap < MIN_COSINE || radius * around > margin + pressed {
             return None;
         }
         let first = if upper { UPPER } else { 0 };
@@ -82,7 +86,8 @@ impl Frustum {
                 nearest = k;
             }
         }
-        let rolls = around - along(place(nearest)) > LOWER;
+        let rolls =
+            (around - along(place(nearest))) * radius > f64::max(LOWER * radius, LOADED[usize::from(N > 4)] * pressed);
         let corner = |k: usize| {
             let [x, z] = if rolls && k == nearest { [d.x / around, d.z / around] } else { place(k) };
             let id = if rolls && k == nearest { LOWEST } else { k as u32 };

@@ -3,6 +3,7 @@
 use crate::collider_shape::{ColliderShape, Isometry};
 use crate::convex_pair::wide_placement;
 use crate::manifold::{ContactPoint, Manifold, Points};
+use crate::manifold_reduction::pressed_in;
 use crate::scalar::Scalar;
 use crate::support_map::{Convex, Vector, narrow};
 use crate::underside::stood_on;
@@ -34,14 +35,16 @@ pub(crate) fn half_space_and_other<R: Scalar>(
             Some((Convex::Hull(hull), _)) => of_all(hull.points()),
             Some((support_map, _)) => {
                 let down = up * -1.0;
+                let margin: f64 = margin.into();
+                let near_ground = [margin, pressed_in(up.dot(support_map.support(down) - below), margin)];
                 let feature = match support_map {
                     Convex::Frustum(frustum) => {
-                        frustum.cap::<4>(down, margin.into()).unwrap_or_else(|| frustum.side(down))
+                        frustum.cap::<4>(down, near_ground).unwrap_or_else(|| frustum.side(down))
                     }
-                    _ => support_map.feature(down, margin.into()),
+                    _ => support_map.feature(down, near_ground),
                 };
                 let points = feature.corners().iter().filter_map(|corner| near(corner.at, corner.id));
-                stood_on(points, up, margin.into())
+                stood_on(points, up, margin)
             }
             None => Points::none(),
         },

@@ -12,55 +12,64 @@ use crate::scalar::Scalar;
 /// the end's middle by half a ten-thousandth.
 const LEAD: f64 = 1e-6;
 /// Points that are deeper by less than this part of the margin, or of the extent of all if that is
-/// less, are as deep.
+/// less, are as deep; and so are all that overlap, for a load presses what rests in aslant.
 const AS_DEEP: f64 = 0.05;
+/// A load presses in by this number of margins at most; what is deeper is not at rest.
+const LOADED: f64 = 4.0;
+/// A point is as near as the nearest if it is not further by more than this part of its depth: that
+/// of a regular pentagon which is left out of a face, where a load tilts it until the other side
+/// parts, is deeper by 0.35 of that.
+const PRESSED: f64 = 0.4;
+
+/// Which of two shapes a piece was cut of, with which points go.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Cut {
+    First,
+    Second,
+}
 
 /// All of four points and fewer. Of more: the outermost of the deepest, the one farthest from it,
 /// the one that makes the largest triangle with both, and the one that adds most to its area.
-pub(crate) fn reduce<R: Scalar>(candidates: &[ContactPoint<R>], normal: Vec3<R>, margin: R) -> Points<R> {
+pub(crate) fn reduce<R: Scalar>(candidates: &[ContactPoint<R>], cut: Cut, normal: Vec3<R>, margin: R) -> Points<R> {
     let mut points = Points::none();
     if candidates.len() <= MAX_MANIFOLD_POINTS {
         candidates.iter().for_each(|candidate| points.push(*candidate));
         return points;
     }
-    let at = |index: usize| candidates[index].position;
+    // On the flat piece, so that distances between its corners are the same however it is tilted.
+    let towards = normal * R::splat(if cut == Cut::Second { 0.5 } else { -0.5 });
+    let at = |index: usize| candidates[index].position + towards * candidates[index].separation;
     // Of those that are as deep as any, give or take, one at a corner: an edge that lies along
     // another crosses it anywhere, from step to step.
     let least = candidates.iter().fold(candidates[0].separation, |least, candidate| least.min(candidate.separation));
     // Of the extent: the mean of the points is beside it where several are close together.
-    let [low, high] = extent(candidates);
+    let [low, high] = extent(at(0), (0..candidates.len()).map(at));
     let middle = (low + high) * R::splat(0.5);
-    let deep = least + at_most_extent(margin, candidates) * R::splat(AS_DEEP);
+    let as_deep = at_most_extent(margin, candidates) * R::splat(AS_DEEP);
+    let deep = least + as_deep.max(pressed_in(least, margin));
     let is_shallow = |index: usize| candidates[index].separation > deep;
-    let deepest = best(candidates, is_shallow, |point| {
-        let apart = point - middle;
-        apart.dot(apart)
-    });
-    let far = best(
-        candidates,
-        |index| index == deepest,
-        |point| {
-            let apart = point - at(deepest);
-            apart.dot(apart)
-        },
-    );
+    let square = |v: Vec3<R>| v.dot(v);
+    let count = candidates.len();
+    let deepest = best(count, is_shallow, |index| square(at(index) - middle));
+    let far = best(count, |index| index == deepest, |index| square(at(index) - at(deepest)));
     // Twice the area of a triangle, positive where the points go around the normal.
     let area = |a: Vec3<R>, b: Vec3<R>, c: Vec3<R>| normal.dot((b - a).cross(c - a));
     let wide =
-        best(candidates, |index| [deepest, far].contains(&index), |point| area(at(deepest), at(far), point).abs());
+        best(count, |index| [deepest, far].contains(&index), |index| area(at(deepest), at(far), at(index)).abs());
     let corners =
         if area(at(deepest), at(far), at(wide)) < R::splat(0.0) { [deepest, wide, far] } else { [deepest, far, wide] };
     let [a, b, c] = corners.map(at);
     // What a point outside an edge adds.
-    let last = best(
-        candidates,
-        |index| corners.contains(&index),
-        |point| (-area(a, b, point)).max(-area(b, c, point)).max(-area(c, a, point)),
-    );
+    let added = |point: Vec3<R>| (-area(a, b, point)).max(-area(b, c, point)).max(-area(c, a, point));
+    let last = best(count, |index| corners.contains(&index), |index| added(at(index)));
+    // What adds nothing to a triangle is on a side of it, anywhere.
+    let of_triangle = area(a, b, c);
+    let adds = of_triangle <= R::splat(0.0) || added(at(last)) > of_triangle * R::splat(LEAD);
     let mut chosen = [deepest, far, wide, last];
+    let chosen = if adds { &mut chosen[..] } else { &mut chosen[..3] };
     // In the order they came in, whatever made them be chosen.
     chosen.sort_unstable();
-    chosen.into_iter().for_each(|index| points.push(candidates[index]));
+    chosen.iter().for_each(|index| points.push(candidates[*index]));
     points
 }
 
@@ -110,31 +119,38 @@ fn width<R: Scalar>([a, b, c, d]: [Vec3<R>; MAX_MANIFOLD_POINTS], normal: Vec3<R
     across(a, b, [c, d]).max(across(a, c, [b, d])).max(across(a, d, [b, c]))
 }
 
-/// The corners of the box along the axes that holds all points.
-fn extent<R: Scalar>(candidates: &[ContactPoint<R>]) -> [Vec3<R>; 2] {
+/// How far a load presses shapes into each other at most, at this separation \[m\].
+pub(crate) fn pressed_in<R: Scalar>(separation: R, margin: R) -> R {
+    (-separation).max(R::splat(0.0)).min(margin * R::splat(LOADED))
+}
+
+/// By how much a point may be further than one at this separation and still be as near \[m\].
+pub(crate) fn pressed<R: Scalar>(separation: R, margin: R) -> R {
+    pressed_in(separation, margin) * R::splat(PRESSED)
+}
+
+/// The corners of the box along the axes that holds all places, of which there is a first.
+fn extent<R: Scalar>(first: Vec3<R>, places: impl Iterator<Item = Vec3<R>>) -> [Vec3<R>; 2] {
     let least = |a: Vec3<R>, b: Vec3<R>| Vec3::new(a.x.min(b.x), a.y.min(b.y), a.z.min(b.z));
     let most = |a: Vec3<R>, b: Vec3<R>| Vec3::new(a.x.max(b.x), a.y.max(b.y), a.z.max(b.z));
-    let start = candidates.first().map_or(Vec3::zero(), |first| first.position);
-    candidates.iter().fold([start; 2], |[low, high], point| [least(low, point.position), most(high, point.position)])
+    places.fold([first; 2], |[low, high], place| [least(low, place), most(high, place)])
 }
 
 /// The margin, or the extent of several points if that is less: what counts as a small height among
 /// them.
 pub(crate) fn at_most_extent<R: Scalar>(margin: R, candidates: &[ContactPoint<R>]) -> R {
-    let [low, high] = extent(candidates);
+    let [first, _, ..] = candidates else { return margin };
+    let [low, high] = extent(first.position, candidates.iter().map(|candidate| candidate.position));
     let size = high - low;
-    if candidates.len() > 1 { margin.min(size.dot(size).sqrt()) } else { margin }
+    margin.min(size.dot(size).sqrt())
 }
 
-/// The point of the highest score that is not left out; the first such if none is clearly higher.
-fn best<R: Scalar>(
-    candidates: &[ContactPoint<R>],
-    left_out: impl Fn(usize) -> bool,
-    score: impl Fn(Vec3<R>) -> R,
-) -> usize {
+/// Which of a number of points has the highest score and is not left out; the first such if none is
+/// clearly higher.
+fn best<R: Scalar>(count: usize, left_out: impl Fn(usize) -> bool, score: impl Fn(usize) -> R) -> usize {
     let mut best: Option<(usize, R)> = None;
-    for (index, candidate) in candidates.iter().enumerate().filter(|(index, _)| !left_out(*index)) {
-        let score = score(candidate.position);
+    for index in (0..count).filter(|index| !left_out(*index)) {
+        let score = score(index);
         let lead = best.is_none_or(|(_, best)| score > best + best.abs() * R::splat(LEAD));
         if lead {
             best = Some((index, score));

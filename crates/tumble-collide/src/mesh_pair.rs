@@ -14,6 +14,7 @@ use crate::face_clipping::{AS_NEAR, FaceClipping, ON_THE_SIDE, is_corner_of_seco
 use crate::feature::{Feature, MAX_CORNERS};
 use crate::gjk::on_triangle;
 use crate::manifold::{ContactPoint, Manifold};
+use crate::manifold_reduction::{pressed, pressed_in};
 use crate::minkowski::Difference;
 use crate::scalar::Scalar;
 use crate::support_map::{Convex, Vector, narrow, unit};
@@ -184,7 +185,7 @@ impl<S: Surface> Over<'_, S> {
         match small_piece(&shapes.second, down) {
             Some(piece) => self.hold_piece::<4, SMALL>(triangle, shapes, &piece, normal, lowest),
             None => {
-                let piece = shapes.second.feature(down, self.margin);
+                let piece = shapes.second.feature(down, [self.margin, pressed_in(lowest.1, self.margin)]);
                 self.hold_piece::<MAX_CORNERS, { 2 * MAX_CORNERS }>(triangle, shapes, &piece, normal, lowest)
             }
         }
@@ -209,13 +210,14 @@ impl<S: Surface> Over<'_, S> {
             least = f64::min(least, point.separation);
             self.hold(triangle, normal, *point, carried);
         }
-        if least > depth + AS_NEAR * self.small {
+        let near = depth + AS_NEAR * self.small;
+        if least > near && is_over(corners, normal, lowest) {
             // The face that looks down most need not have the lowest corner.
-            if is_over(corners, normal, lowest) {
+            if least > near + pressed(depth, self.margin) {
                 let position = lowest - normal * (self.layer + 0.5 * depth);
                 self.hold(triangle, normal, ContactPoint { position, separation: depth, feature: u32::MAX }, carried);
-                least = depth;
             }
+            least = depth;
         }
         least
     }
@@ -245,7 +247,8 @@ impl<S: Surface> Over<'_, S> {
             }
         }
         list.truncate(end);
-        let is_near = |hit: &Hit| hit.point.separation <= separation + AS_NEAR * self.small;
+        let near = separation + AS_NEAR * self.small + pressed(separation, self.margin);
+        let is_near = |hit: &Hit| hit.point.separation <= near;
         if overlaps && furthest(self.surface.triangle(triangle), found.normal) == [true; 3] {
             // The way out is the face's own as far as directions are certain, and what is deepest
             // is beside the face by no more than that.

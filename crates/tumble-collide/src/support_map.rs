@@ -100,21 +100,21 @@ impl<'a> Convex<'a> {
     }
 
     /// The piece of the surface that holds the point furthest in the direction of a unit vector; of
-    /// faces not further out of the way than `margin`.
-    pub(crate) fn feature(&self, d: Vector, margin: f64) -> Feature<f64> {
+    /// faces not further out of the way than `near`, a margin and how far it is pressed in \[m\].
+    pub(crate) fn feature(&self, d: Vector, near: [f64; 2]) -> Feature<f64> {
         match *self {
             Self::Point => Feature::point(Vector::zero()),
             Self::Segment { half_height } => {
                 Feature::segment(Vector::new(0.0, -half_height, 0.0), Vector::new(0.0, half_height, 0.0))
             }
             Self::Cuboid { half } => Feature::of_cuboid(half, d),
-            Self::Frustum(frustum) => frustum.feature(d, margin),
+            Self::Frustum(frustum) => frustum.feature(d, near),
             Self::Ellipsoid { .. } | Self::SmallerHull(..) => Feature::point(self.support(d)),
             Self::Tapered { radii, half_height } => {
                 let [below, above] = tapered_ends(radii, half_height, d);
                 Feature::segment(below, above)
             }
-            Self::Hull(hull) => hull.feature(d),
+            Self::Hull(hull) => hull.feature(d, near[1]),
             Self::Triangle([a, b, c]) => {
                 let normal = unit((b - a).cross(c - a));
                 if normal.dot(d) >= 0.0 {

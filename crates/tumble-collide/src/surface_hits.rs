@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use crate::face_clipping::as_near;
 use crate::manifold::{ContactPoint, Manifold, Points};
-use crate::manifold_reduction::{keep_nearest, reduce};
+use crate::manifold_reduction::{Cut, keep_nearest, reduce};
 use crate::support_map::Vector;
 use crate::work;
 
@@ -70,7 +70,7 @@ impl Hits {
                 points.add(&hit.point);
             }
             let points = points.points.as_slice();
-            let mut few = if points.is_empty() { Points::none() } else { reduce(points, normal, margin) };
+            let mut few = if points.is_empty() { Points::none() } else { reduce(points, Cut::Second, normal, margin) };
             keep_nearest(&mut few, points, as_near(points, margin), normal);
             visit(hits[0].part, &Manifold::new(normal, carried, few));
         }

@@ -7,6 +7,7 @@
 
 use crate::face_clipping::AS_NEAR;
 use crate::manifold::{ContactPoint, MAX_MANIFOLD_POINTS, Points};
+use crate::manifold_reduction::pressed;
 use crate::support_map::Vector;
 
 /// By how much a later point must be better than an earlier one to be taken in its place: as much
@@ -29,6 +30,8 @@ const MAX_TURNS: usize = 2 * MAX_MANIFOLD_POINTS;
 struct Corner {
     index: usize,
     at: [f64; 2],
+    /// Along the facet, where a tilt changes no distance.
+    on: [f64; 2],
     /// Over the plane.
     height: f64,
     /// Over the facet.
@@ -38,9 +41,13 @@ struct Corner {
 /// Where corners are in the plane, and the facet that is stood on: through the lowest corner, with
 /// a slope.
 struct Facet {
+    up: Vector,
     axes: [Vector; 2],
+    /// Along the facet.
+    own_axes: [Vector; 2],
     lowest: Corner,
     slope: [f64; 2],
+    /// Of what is near, along the facet.
     middle: [f64; 2],
     extent: f64,
 }
@@ -65,7 +72,7 @@ pub(crate) fn stood_on(
         let Some(next) = chosen.next(corners(), &facet) else { break };
         chosen.add(next);
     }
-    chosen.keep(facet.lowest, AS_NEAR * f64::min(facet.extent, margin));
+    chosen.keep(facet.lowest, AS_NEAR * f64::min(facet.extent, margin) + pressed(facet.lowest.height, margin));
     for (index, point) in points.enumerate() {
         if chosen.corners.iter().flatten().any(|corner| corner.index == index) {
             few.push(point);
@@ -77,35 +84,30 @@ pub(crate) fn stood_on(
 impl Facet {
     /// `None` of no points.
     fn under(points: &(impl Iterator<Item = ContactPoint<f64>> + Clone), up: Vector) -> Option<Self> {
-        let aside = if up.x.abs() < 0.5 { Vector::new(1.0, 0.0, 0.0) } else { Vector::new(0.0, 1.0, 0.0) };
-        let first = crate::support_map::unit(up.cross(aside));
-        let nowhere = Corner { index: 0, at: [0.0; 2], height: 0.0, above: 0.0 };
-        let (axes, zero) = ([first, up.cross(first)], [0.0; 2]);
-        let mut this = Self { axes, lowest: nowhere, slope: zero, middle: zero, extent: 0.0 };
+        let nowhere = Corner { index: 0, at: [0.0; 2], on: [0.0; 2], height: 0.0, above: 0.0 };
+        let (axes, zero) = (axes_across(up), [0.0; 2]);
+        let mut this = Self { up, axes, own_axes: axes, lowest: nowhere, slope: zero, middle: zero, extent: 0.0 };
         let corners = || points.clone().enumerate().map(|(index, point)| this.corner(index, &point));
         let mut lowest: Option<Corner> = None;
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
         for corner in corners() {
-            for axis in 0..2 {
-                low[axis] = f64::min(low[axis], corner.at[axis]);
-                high[axis] = f64::max(high[axis], corner.at[axis]);
-            }
             if lowest.is_none_or(|lowest| corner.height < lowest.height) {
                 lowest = Some(corner);
             }
         }
-        let lowest = lowest?;
-        this.lowest = lowest;
-        this.middle = [0.5 * (low[0] + high[0]), 0.5 * (low[1] + high[1])];
+        let [low, high] = bounds(corners().map(|corner| corner.at));
+        this.lowest = lowest?;
         this.extent = length(minus(high, low));
-        this.lean(points);
+        this.lean(points, between(low, high));
+        this.own_axes = axes_across(crate::support_map::unit(up - axes[0] * this.slope[0] - axes[1] * this.slope[1]));
+        let [low, high] = bounds(points.clone().enumerate().map(|(index, point)| this.corner(index, &point).on));
+        this.middle = between(low, high);
         Some(this)
     }
 
     /// Turns the plane about the lowest corner towards the middle until it meets a second, and
     /// about both, to the side where that is less, until it meets a third.
-    fn lean(&mut self, points: &(impl Iterator<Item = ContactPoint<f64>> + Clone)) {
-        let towards = minus(self.middle, self.lowest.at);
+    fn lean(&mut self, points: &(impl Iterator<Item = ContactPoint<f64>> + Clone), middle: [f64; 2]) {
+        let towards = minus(middle, self.lowest.at);
         let way = if length(towards) > NARROW * self.extent { unit(towards) } else { [1.0, 0.0] };
         let Some((slope, second)) = self.turned(points.clone(), way) else { return };
         self.slope = slope;
@@ -140,8 +142,9 @@ impl Facet {
     fn corner(&self, index: usize, point: &ContactPoint<f64>) -> Corner {
         let at = self.axes.map(|axis| axis.dot(point.position));
         let height = point.separation;
+        let on = self.own_axes.map(|axis| axis.dot(point.position + self.up * (0.5 * height)));
         let above = height - self.lowest.height - dot(self.slope, minus(at, self.lowest.at));
-        Corner { index, at, height, above }
+        Corner { index, at, on, height, above }
     }
 }
 
@@ -188,19 +191,19 @@ impl Chosen {
     fn score(&self, corner: &Corner, facet: &Facet) -> Option<f64> {
         let cost = WORTH * corner.above;
         let [a, b, c] = match self.corners {
-            [None, ..] => return Some(length(minus(corner.at, facet.middle)) - cost),
-            [Some(a), None, ..] => return Some(length(minus(corner.at, a.at)) - cost),
+            [None, ..] => return Some(length(minus(corner.on, facet.middle)) - cost),
+            [Some(a), None, ..] => return Some(length(minus(corner.on, a.on)) - cost),
             [Some(a), Some(b), None, _] => {
-                let area = area(a.at, b.at, corner.at).abs();
-                let base = length(minus(b.at, a.at));
+                let area = area(a.on, b.on, corner.on).abs();
+                let base = length(minus(b.on, a.on));
                 return (area > NARROW * facet.extent * base).then_some(area - cost * base);
             }
-            [Some(a), Some(b), Some(c), _] => [a.at, b.at, c.at],
+            [Some(a), Some(b), Some(c), _] => [a.on, b.on, c.on],
         };
         let way = if area(a, b, c) < 0.0 { 1.0 } else { -1.0 };
         let mut best: Option<f64> = None;
         for (from, to) in [(a, b), (b, c), (c, a)] {
-            let beyond = way * area(from, to, corner.at);
+            let beyond = way * area(from, to, corner.on);
             let base = length(minus(to, from));
             if beyond > NARROW * facet.extent * base {
                 let score = beyond - cost * base;
@@ -233,6 +236,24 @@ impl Chosen {
             self.corners[index] = Some(lowest);
         }
     }
+}
+
+/// Two axes across a direction.
+fn axes_across(up: Vector) -> [Vector; 2] {
+    let aside = if up.x.abs() < 0.5 { Vector::new(1.0, 0.0, 0.0) } else { Vector::new(0.0, 1.0, 0.0) };
+    let first = crate::support_map::unit(up.cross(aside));
+    [first, up.cross(first)]
+}
+
+/// The least and the greatest coordinates of places.
+fn bounds(places: impl Iterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
+    places.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], [x, y]| {
+        [[low[0].min(x), low[1].min(y)], [high[0].max(x), high[1].max(y)]]
+    })
+}
+
+fn between([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+    [0.5 * (a + c), 0.5 * (b + d)]
 }
 
 /// How wide four points are: twice their area where each is a corner.

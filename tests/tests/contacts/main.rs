@@ -18,6 +18,7 @@ mod despawned;
 mod finer_substeps;
 mod flat_bodies;
 mod ghosts;
+mod held_by_friction;
 mod hits;
 mod kept_layout;
 mod oblique_bounce;

@@ -15,11 +15,13 @@ use crate::solver::contact::effective_mass::{Mobility, put_where};
 const LAG: f64 = 1.0 / 16.0;
 
 /// Moves the contacts of a tile with their bodies. Returns by how much the relative velocity in the
-/// middle of those that are found again differs from its mean over the substep of `h` \[s\].
+/// middle differs from its mean over the substep of `h` \[s\]: of those that are found again, and
+/// along the surface of those whose bodies turn.
 ///
 /// Contacts hold over a substep, `x' = x + h v`, if velocities vanish in its middle: at the arms
 /// `(r + r')/2`, with the spin that free rotation has there, `w' - h/2 I^-1 (L x w)`. With those of
-/// its end, what rolls gains or loses energy to first order in `h`.
+/// its end, what rolls gains or loses energy, and what stands on a platform that turns creeps
+/// inwards, to first order in `h`.
 #[inline(always)]
 pub(crate) fn follow<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
@@ -31,7 +33,9 @@ pub(crate) fn follow<T: Tile, const P: usize, const C: usize>(
     let before: [Vec3<T>; 2] = [vector_at(&block.arms[0], lane), vector_at(&block.arms[1], lane)];
     refresh(block, rolling, lane, delta_pose, &bodies.mobility(inv_inertia));
     let is_found_again = at::<T>(&block.start.slide, lane).lt(T::splat(0.0));
-    if !T::any(is_found_again) {
+    let turned = delta_pose.turned * of_rule(at(&block.start.update_rule, lane), UpdateRule::BodyFixed);
+    let has_turned = T::splat(0.0).lt(turned);
+    if !T::any(is_found_again) && !T::any(has_turned) {
         return Vec3::zero();
     }
     let (spins, gains) = bodies.free_spins(inv_inertia);
@@ -39,18 +43,22 @@ pub(crate) fn follow<T: Tile, const P: usize, const C: usize>(
     let mut which = 0;
     while which < 2 {
         let arm: Vec3<T> = vector_at(&block.arms[which], lane);
-        lags[which] = lag([before[which], arm], spins[which], gains[which], h);
+        // An arm that is fixed to its body turns with it.
+        let way = Vec3::select(is_found_again, arm - before[which], spins[which].cross(arm) * h);
+        lags[which] = lag([way * T::splat(0.5), arm], spins[which], gains[which], h);
         which += 1;
     }
-    Vec3::select(is_found_again, lags[1] - lags[0], Vec3::zero())
+    let (apart, normal): (Vec3<T>, Vec3<T>) = (lags[1] - lags[0], vector_at(&block.normal, lane));
+    let along_surface = apart - normal * normal.dot(apart);
+    Vec3::select(is_found_again, apart, Vec3::select(has_turned, along_surface, Vec3::zero()))
 }
 
-/// By how much the velocity at the end of an arm differs from that in the middle of a substep, in
-/// which the arm goes from one place to another.
+/// By how much the velocity at the end of an arm differs from that in the middle of a substep, of
+/// which half the way that the arm goes in it is given.
 #[inline(always)]
-fn lag<T: Tile>([before, arm]: [Vec3<T>; 2], spin: Vec3<T>, gain: Vec3<T>, h: T) -> Vec3<T> {
+fn lag<T: Tile>([way, arm]: [Vec3<T>; 2], spin: Vec3<T>, gain: Vec3<T>, h: T) -> Vec3<T> {
     let (half, limit) = (T::splat(0.5), T::splat(LAG));
-    let (way, gain) = ((arm - before) * half, gain * (h * half));
+    let gain = gain * (h * half);
     let lag = spin.cross(way) + gain.cross(arm - way);
     let lag = Vec3::select(way.dot(way).lt(arm.dot(arm) * limit), lag, Vec3::zero());
     Vec3::select(gain.dot(gain).lt(spin.dot(spin) * limit), lag, Vec3::zero())

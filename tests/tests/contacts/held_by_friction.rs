@@ -1,0 +1,143 @@
+//! Promise: what friction holds stays where it is: boxes, cans, cones, frusta and prisms of 2 cm to
+//! 2 m on slopes of up to nine tenths of the steepest, also on a box that they overhang; and boxes,
+//! cans and prisms on platforms that turn, at up to seven tenths of the rate that throws them off.
+//!
+//! Why: points of a flat face that are others from step to step lose their impulses, and what rests
+//! trembles down the slope. Friction that stops what slides at the end of a substep instead of over
+//! it lets what turns with a platform creep inwards by `w^2 h/2` of its radius a second.
+
+use std::f64::consts::TAU;
+
+use glam::{DQuat, DVec3};
+use hecs::World;
+use tumble::prelude::*;
+use tumble_tests::touching::{collider, pose, spawn, surfaced};
+use tumble_tests::{Draw, cases, dvec3, quat, real, vec3};
+
+const G: f64 = 9.81;
+
+/// What stands on a face.
+struct Standing {
+    shape: Shape,
+    collider: Collider,
+    /// Of its origin and of its centre of mass over the face \[m\].
+    origin: f64,
+    height: f64,
+}
+
+impl Standing {
+    /// One of five kinds, with this radius \[m\].
+    fn new(draw: &mut Draw, radius: f64) -> Self {
+        let half = radius * draw.between(0.3, 0.7);
+        let of = |shape: Shape, height: f64| Self { collider: collider(&shape), shape, origin: half, height };
+        match draw.between(0.0, 5.0) as u32 {
+            0 => of(Shape::cuboid([radius, half, radius * draw.between(0.5, 1.0)]), half),
+            1 => of(Shape::cylinder(radius, half), half),
+            2 => of(Shape::cone(radius, half), 0.5 * half),
+            3 => {
+                let top = draw.between(0.3, 0.9);
+                let middle = (1.0 + 2.0 * top + 3.0 * top * top) / (4.0 * (1.0 + top + top * top));
+                of(Shape::frustum(radius, top * radius, half), 2.0 * half * middle)
+            }
+            _ => {
+                let sides = draw.between(3.0, 12.99) as u32;
+                let corner = |i: u32| {
+                    let (sin, cos) = (TAU * f64::from(i / 2) / f64::from(sides)).sin_cos();
+                    DVec3::new(radius * cos, if i.is_multiple_of(2) { half } else { -half }, radius * sin)
+                };
+                let prism = Collider::convex_hull((0..2 * sides).map(corner)).unwrap();
+                Self { collider: prism, ..of(Shape::cylinder(radius, half), half) }
+            }
+        }
+    }
+}
+
+fn settings(draw: &mut Draw, substeps: [f64; 2]) -> Settings {
+    let rate = draw.log_between(60.0, 240.0);
+    let substeps = draw.log_between(substeps[0], substeps[1]).round();
+    Settings::default().with_dt(real(1.0 / rate)).with_contact_substeps(substeps as u32)
+}
+
+#[test]
+fn what_friction_holds_on_a_slope_stays() {
+    for case in 0..cases(120) {
+        let mut draw = Draw::new(901, case.into());
+        let radius = draw.log_between(0.02, 2.0);
+        let Standing { shape, collider: touched, origin, height } = Standing::new(&mut draw, radius);
+        let friction = draw.between(0.2, 0.8);
+        let surface = Material::default().with_friction(real(friction));
+        let steep = (friction * draw.between(0.3, 0.9)).atan();
+        let down = DQuat::from_rotation_y(draw.between(0.0, TAU)) * DVec3::X;
+        let gravity = (down * steep.sin() - DVec3::Y * steep.cos()) * G;
+
+        let mut world = World::new();
+        let overhangs = draw.often(0.4);
+        // A cone or a triangle on a box with its own width would tip over that one's edge.
+        let wide = if overhangs { 1.0 } else { draw.between(3.0, 20.0) };
+        let thick = radius * draw.between(0.5, 3.0);
+        let below = Shape::cuboid([wide * radius, thick, wide * radius]);
+        let under = RigidBody::new(below.clone()).fixed().position(vec3(DVec3::Y * -thick));
+        spawn(&mut world, under, surfaced(collider(&below), surface));
+        let body = RigidBody::new(shape)
+            .mass(draw.log_between(0.01, 1e3))
+            .position(vec3(DVec3::Y * origin))
+            .orientation(quat(DQuat::from_rotation_y(draw.between(0.0, TAU))));
+        let body = spawn(&mut world, body, surfaced(touched, surface));
+
+        let settings = settings(&mut draw, [4.0, 16.0]).with_gravity(vec3(gravity));
+        let mut simulation = Simulation::new(settings).unwrap();
+        let steps = |seconds: f64| (seconds / f64::from(settings.dt)) as u32;
+        simulation.step_many(&mut world, steps(2.0));
+        let before = dvec3(pose(&world, body).position);
+        simulation.step_many(&mut world, steps(10.0));
+        let moved = dvec3(pose(&world, body).position).distance(before);
+        assert!(moved < 1e-4 * radius, "case {case}: {moved} m of {radius} m");
+        // It is pressed in by what its weight presses, and stands.
+        assert!((before.y - height).abs() < 0.05 * radius, "case {case}: {} m of {height} m", before.y);
+    }
+}
+
+#[test]
+fn what_friction_holds_on_a_turning_platform_turns_with_it() {
+    for case in 0..cases(60) {
+        let mut draw = Draw::new(902, case.into());
+        let radius = draw.log_between(0.1, 2.0);
+        let Standing { shape, collider: touched, origin, .. } = Standing::new(&mut draw, radius);
+        let friction = draw.between(0.2, 0.8);
+        let surface = Material::default().with_friction(real(friction));
+        let out = radius * draw.between(1.0, 5.0);
+        let rate = (draw.between(0.05, 0.5) * friction * G / out).sqrt();
+
+        let mut world = World::new();
+        let platform = Shape::cylinder(out + 2.0 * radius, radius);
+        let turning = RigidBody::new(platform.clone()).kinematic().position(vec3(DVec3::Y * -radius));
+        let turning = turning.angular_velocity(vec3(DVec3::Y * rate));
+        spawn(&mut world, turning, surfaced(collider(&platform), surface));
+        let at = DQuat::from_rotation_y(draw.between(0.0, TAU)) * (DVec3::X * out);
+        let spin = DVec3::Y * rate;
+        let body = RigidBody::new(shape)
+            .mass(draw.log_between(0.1, 1e3))
+            .position(vec3(at + DVec3::Y * origin))
+            .orientation(quat(DQuat::from_rotation_y(draw.between(0.0, TAU))))
+            .linear_velocity(vec3(spin.cross(at)))
+            .angular_velocity(vec3(spin));
+        let body = spawn(&mut world, body, surfaced(touched, surface));
+
+        let mut simulation = Simulation::new(settings(&mut draw, [4.0, 16.0])).unwrap();
+        let dt = f64::from(simulation.settings().dt);
+        simulation.step_many(&mut world, (1.0 / dt) as u32);
+        let radial = |world: &World| {
+            let at = dvec3(pose(world, body).position);
+            (at.x.hypot(at.z), at.x.atan2(at.z))
+        };
+        let (before, angle) = radial(&world);
+        let steps = (10.0 / dt) as u32;
+        simulation.step_many(&mut world, steps);
+        let (after, angle_after) = radial(&world);
+        let crept = (after / before - 1.0).abs();
+        assert!(crept < 1e-4, "case {case}: {crept} of {before} m at {rate} rad/s");
+        let turned = (angle_after - angle - rate * dt * f64::from(steps)).rem_euclid(TAU);
+        let behind = turned.min(TAU - turned);
+        assert!(behind < 1e-3, "case {case}: {behind} rad behind at {rate} rad/s");
+    }
+}
