@@ -92,6 +92,10 @@ pub(crate) fn capsule_and_capsule<R: Scalar>(first: &Rod<R>, second: &Rod<R>, ma
     let separation = distance - (layers[0] + layers[1]);
     let nearest = (on_first + normal * layers[0] + on_second - normal * layers[1]) * half;
     let face_clipping = FaceClipping { normal, separation, layers, margin };
+    let along = |rod: &Rod<R>| (rod.center + rod.half) - (rod.center - rod.half);
+    if !face_clipping.are_parallel(along(first), along(second)) {
+        return Manifold::of_nearest(normal, nearest, separation);
+    }
     let (first, second) = (first.feature(), second.feature());
     face_clipping.manifold_of::<2, 2, MAX_SHARED>(&first, &second, nearest, R::splat(0.0)).carried_by_both()
 }

@@ -57,7 +57,7 @@ const SHARP: f64 = -0.5;
 /// place of one of them.
 const FURTHER: f64 = 1e-5;
 /// A load's tilt makes others of many corners lower by this part of how far they are pressed in.
-const LOADED: f64 = 0.05;
+const TILTED: f64 = 0.05;
 
 impl ConvexHull {
     /// The hull of points \[m\].
@@ -217,7 +217,7 @@ impl ConvexHull {
         }
         // Of many corners that furthest out takes the place of one beside it, unless others are as
         // far but for rounding and a load's tilt.
-        if along(furthest) > of_few + f64::max(FURTHER * self.reach, LOADED * pressed) {
+        if along(furthest) > of_few + f64::max(FURTHER * self.reach, TILTED * pressed) {
             let before = places.iter().take(most).rposition(|place| *place <= furthest).unwrap_or(0);
             places[before] = furthest;
         }

@@ -159,16 +159,28 @@ impl<R: Scalar> FaceClipping<R> {
         (found, if count > R::splat(0.0) { sum / count } else { half })
     }
 
+    /// Whether two edges, seen along the normal, are parallel.
+    pub(crate) fn are_parallel(&self, first: Vec3<R>, second: Vec3<R>) -> bool {
+        let (e, f) = (self.flat(first), self.flat(second));
+        let (whole, other, across) = (e.dot(e), f.dot(f), e.cross(f));
+        let zero = R::splat(0.0);
+        across.dot(across) <= whole * other * R::splat(PARALLEL * PARALLEL) && whole > zero && other > zero
+    }
+
+    /// A vector without what is along the normal.
+    fn flat(&self, v: Vec3<R>) -> Vec3<R> {
+        v - self.normal * self.normal.dot(v)
+    }
+
     /// The ends of what two parallel edges have in common, on the second.
     fn along(&self, [a, b]: [Corner<R>; 2], [c, d]: [Corner<R>; 2]) -> List<Shared<R>, 2> {
         let (zero, one, n) = (R::splat(0.0), R::splat(1.0), self.normal);
         let mut found = List::of(Shared { at: Vec3::zero(), height: zero, feature: 0, carried: R::splat(0.5) });
-        let flat = |v: Vec3<R>| v - n * n.dot(v);
-        let (e, f) = (flat(b.at - a.at), flat(d.at - c.at));
-        let (whole, other, across) = (e.dot(e), f.dot(f), e.cross(f));
-        if !(across.dot(across) <= whole * other * R::splat(PARALLEL * PARALLEL) && whole > zero && other > zero) {
+        if !self.are_parallel(b.at - a.at, d.at - c.at) {
             return found;
         }
+        let e = self.flat(b.at - a.at);
+        let whole = e.dot(e);
         // Places along the first, from 0 to 1, of the second's ends.
         let place = |corner: Corner<R>| e.dot(corner.at - a.at) / whole;
         let (from, to) = (place(c), place(d));
@@ -182,7 +194,7 @@ impl<R: Scalar> FaceClipping<R> {
             let along = n.dot(apart);
             // Round ones are apart by their distance, even where one is not quite above the other.
             let height = if rounded && along > zero { apart.dot(apart).sqrt() } else { along };
-            let middle = q - flat(apart) * R::splat(0.5);
+            let middle = q - self.flat(apart) * R::splat(0.5);
             found.push(Shared { at: middle, height, feature: end as u32 | END, carried: R::splat(0.5) });
             if low >= high {
                 break;

@@ -25,7 +25,7 @@ const RIM: [[f64; 2]; 8] = {
 const LOWER: f64 = 1e-4;
 /// And by more than this part of how far it is pressed in, of four places and of eight, half of
 /// `1 - cos(pi/n)`: a load that tilts a cap until its other side parts makes it so much lower.
-const LOADED: [f64; 2] = [0.147, 0.039];
+const TILTED: [f64; 2] = [0.147, 0.039];
 /// A cap is stood on when its normal is within about 25 degrees; further over it is the rim that
 /// rolls.
 const MIN_COSINE: f64 = 0.9;
@@ -87,7 +87,7 @@ impl Frustum {
             }
         }
         let rolls =
-            (around - along(place(nearest))) * radius > f64::max(LOWER * radius, LOADED[usize::from(N > 4)] * pressed);
+            (around - along(place(nearest))) * radius > f64::max(LOWER * radius, TILTED[usize::from(N > 4)] * pressed);
         let corner = |k: usize| {
             let [x, z] = if rolls && k == nearest { [d.x / around, d.z / around] } else { place(k) };
             let id = if rolls && k == nearest { LOWEST } else { k as u32 };

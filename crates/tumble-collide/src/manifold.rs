@@ -111,6 +111,13 @@ impl<R: Scalar> Manifold<R> {
         Self { normal, carried: R::splat(1.0), points }
     }
 
+    /// The nearest point alone, halfway between the surfaces; both shapes carry it as much.
+    pub(crate) fn of_nearest(normal: Vec3<R>, position: Vec3<R>, separation: R) -> Self {
+        let mut points = Points::none();
+        points.push(ContactPoint { position, separation, feature: u32::MAX });
+        Self { normal, carried: R::splat(0.5), points }
+    }
+
     /// The same where both shapes carry the points as much.
     pub(crate) fn carried_by_both(self) -> Self {
         Self { carried: R::splat(0.5), ..self }

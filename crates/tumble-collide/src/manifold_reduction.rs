@@ -15,7 +15,7 @@ const LEAD: f64 = 1e-6;
 /// less, are as deep; and so are all that overlap, for a load presses what rests in aslant.
 const AS_DEEP: f64 = 0.05;
 /// A load presses in by this number of margins at most; what is deeper is not at rest.
-const LOADED: f64 = 4.0;
+const MAX_PRESSED: f64 = 4.0;
 /// A point is as near as the nearest if it is not further by more than this part of its depth: that
 /// of a regular pentagon which is left out of a face, where a load tilts it until the other side
 /// parts, is deeper by 0.35 of that.
@@ -121,7 +121,7 @@ fn width<R: Scalar>([a, b, c, d]: [Vec3<R>; MAX_MANIFOLD_POINTS], normal: Vec3<R
 
 /// How far a load presses shapes into each other at most, at this separation \[m\].
 pub(crate) fn pressed_in<R: Scalar>(separation: R, margin: R) -> R {
-    (-separation).max(R::splat(0.0)).min(margin * R::splat(LOADED))
+    (-separation).max(R::splat(0.0)).min(margin * R::splat(MAX_PRESSED))
 }
 
 /// By how much a point may be further than one at this separation and still be as near \[m\].

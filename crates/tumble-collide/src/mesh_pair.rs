@@ -20,7 +20,7 @@ use crate::scalar::Scalar;
 use crate::support_map::{Convex, Vector, narrow, unit};
 use crate::surface::{Surface, normal_of};
 use crate::surface_hits::{Hit, Hits};
-use crate::surface_piece::{SMALL, around, face, small_piece};
+use crate::surface_piece::{FEWEST, SMALL, around, axis, face, small_piece};
 use crate::triangle_approach::{is_beside, triangle_approach};
 use crate::work;
 
@@ -182,6 +182,9 @@ impl<S: Surface> Over<'_, S> {
     /// inside the lowest point is given, and how far the shape is over the plane.
     fn hold_over_face(&mut self, triangle: u32, shapes: &Difference<'_>, normal: Vector, lowest: (Vector, f64)) -> f64 {
         let down = shapes.turned_back(normal * -1.0);
+        if let Convex::Segment { half_height } = shapes.second {
+            return self.hold_piece::<2, FEWEST>(triangle, shapes, &axis(half_height), normal, lowest);
+        }
         match small_piece(&shapes.second, down) {
             Some(piece) => self.hold_piece::<4, SMALL>(triangle, shapes, &piece, normal, lowest),
             None => {

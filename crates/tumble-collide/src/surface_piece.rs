@@ -7,6 +7,8 @@ use crate::support_map::{Convex, Vector};
 
 /// The most points that a triangle has in common with a piece of four corners, and one more.
 pub(crate) const SMALL: usize = 8;
+/// With a segment, and one more.
+pub(crate) const FEWEST: usize = 3;
 
 /// The box along the axes around a shape with a layer.
 pub(crate) fn around(shape: &Difference<'_>, layer: f64) -> Aabb<f64> {
@@ -31,13 +33,16 @@ pub(crate) fn around(shape: &Difference<'_>, layer: f64) -> Aabb<f64> {
 pub(crate) fn small_piece(shape: &Convex<'_>, direction: Vector) -> Option<Feature<f64, 4>> {
     match *shape {
         Convex::Point => Some(Feature::point(Vector::zero())),
-        Convex::Segment { half_height } => {
-            let end = Vector::new(0.0, half_height, 0.0);
-            Some(Feature::segment(end * -1.0, end))
-        }
+        Convex::Segment { half_height } => Some(axis(half_height)),
         Convex::Cuboid { half } => Some(Feature::of_cuboid(half, direction)),
         _ => None,
     }
+}
+
+/// A segment as a piece.
+pub(crate) fn axis<const N: usize>(half_height: f64) -> Feature<f64, N> {
+    let end = Vector::new(0.0, half_height, 0.0);
+    Feature::segment(end * -1.0, end)
 }
 
 /// The face of a triangle with a unit normal, as it looks in a direction.

@@ -95,10 +95,11 @@ fn of_axis(corners: &[Vector; 3], normal: Vector, half: Vector) -> Approach {
             return through_face(corners, normal, half);
         }
     }
-    let lower = if heights[0].abs() <= heights[1].abs() { ends[0] } else { ends[1] };
-    if let (false, (on_first, true)) = (crosses, nearest_to(corners, normal, lower)) {
+    let lower = usize::from(heights[0].abs() > heights[1].abs());
+    let below = (!crosses).then(|| nearest_to(corners, normal, ends[lower]));
+    if let Some((on_first, true)) = below {
         // Nothing is nearer than the plane.
-        return over_face(corners, normal, on_first, lower);
+        return over_face(corners, normal, on_first, ends[lower]);
     }
     let mut best = (f64::INFINITY, ends[0], ends[0], false);
     let mut take = |on_first: Vector, on_axis: Vector, is_over: bool| {
@@ -108,8 +109,9 @@ fn of_axis(corners: &[Vector; 3], normal: Vector, half: Vector) -> Approach {
             best = (square, on_first, on_axis, is_over);
         }
     };
-    for end in ends {
-        let (on_first, is_over) = nearest_to(corners, normal, end);
+    for (which, end) in ends.into_iter().enumerate() {
+        let known = below.filter(|_| which == lower);
+        let (on_first, is_over) = known.unwrap_or_else(|| nearest_to(corners, normal, end));
         take(on_first, end, is_over);
     }
     for (from, way) in sides(corners) {

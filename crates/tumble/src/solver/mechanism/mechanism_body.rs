@@ -135,8 +135,11 @@ impl MechanismBody {
         self.set_momenta([double(motion.momentum), double(motion.angular_momentum)].map(Vec3::from));
         self.translation = row_of(double(delta.translation).into(), 0.0);
         if self.is_moved() {
-            self.orientation = row(double_quat(bodies.pose[i].orientation).into());
-            self.update_inertia();
+            let orientation = row(double_quat(bodies.pose[i].orientation).into());
+            // Of two stages between which nothing moves the second has the inertia of the first.
+            if orientation != std::mem::replace(&mut self.orientation, orientation) {
+                self.update_inertia();
+            }
         } else {
             let turned: Quat<f64> = double_quat(delta.rotation).into();
             self.orientation = row(turned * self.start);

@@ -89,14 +89,16 @@ impl Mechanisms {
                 }
         };
         for it in self.mechanisms.iter_mut().filter(|it| takes_part(it)) {
-            let moving = it.solver.bodies.iter_mut().take(it.slots.len());
-            moving.chain(&mut it.direct.beside).for_each(|body| body.read_motion(bodies));
             it.direct.has_accounts = !works.is_empty();
             it.direct.contacts.iter_mut().for_each(|contact| direct.read(contact));
         }
         works.before_joints(bodies);
         let solving = self.mechanisms.par_iter_mut().by_at_least(1).filter(|it| takes_part(it));
-        solving.for_each(|it| it.solve(stage, f64::from(h)));
+        let from: &SolverBodies = bodies;
+        solving.for_each(|it| {
+            it.read_motion(from);
+            it.solve(stage, f64::from(h));
+        });
         for it in self.mechanisms.iter_mut().filter(|it| takes_part(it)) {
             if !it.is_sound {
                 continue;
@@ -130,6 +132,12 @@ impl Mechanism {
     /// The bodies that its joints connect, without the ground of locked axes.
     fn jointed_bodies(&self) -> &[MechanismBody] {
         &self.solver.bodies[..self.slots.len()]
+    }
+
+    /// Reads how its bodies and those beside it move.
+    fn read_motion(&mut self, bodies: &SolverBodies) {
+        let moving = self.solver.bodies.iter_mut().take(self.slots.len());
+        moving.chain(&mut self.direct.beside).for_each(|body| body.read_motion(bodies));
     }
 
     /// Forgets the direct contacts of the last substep.
