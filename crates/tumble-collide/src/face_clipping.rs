@@ -59,7 +59,6 @@ struct Left<R> {
 }
 
 /// Up to `M` of something.
-#[derive(Clone)]
 pub(crate) struct List<T, const M: usize> {
     items: [T; M],
     len: usize,
@@ -143,13 +142,13 @@ impl<R: Scalar> FaceClipping<R> {
             }
         };
         if is_face(first.corners().len(), first.normal) {
-            for shared in cut::<R, K, N, M>(second, first, self.normal).items() {
+            cut::<R, K, N, M>(second, first, self.normal, &mut |shared| {
                 take(shared, false, layer_2, layer_1, self.normal);
-            }
+            });
         } else if is_face(second.corners().len(), second.normal) {
-            for shared in cut::<R, N, K, M>(first, second, self.normal * -one).items() {
+            cut::<R, N, K, M>(first, second, self.normal * -one, &mut |shared| {
                 take(shared, true, layer_1, layer_2, self.normal * -one);
-            }
+            });
         } else if let ([a, b], [c, d]) = (first.corners(), second.corners()) {
             for shared in self.along([*a, *b], [*c, *d]).items() {
                 take(shared, false, layer_2, layer_1, self.normal);
@@ -215,23 +214,22 @@ pub(crate) fn as_near<R: Scalar>(candidates: &[ContactPoint<R>], margin: R) -> R
     least + at_most_extent(margin, candidates) * R::splat(AS_NEAR) + pressed(least, margin)
 }
 
-/// What is left of a piece inside the sides of a face, seen along `outwards`, which looks out of
-/// the face. Heights are along it above the face.
+/// Finds what is left of a piece inside the sides of a face, seen along `outwards`, which looks out
+/// of the face. Heights are along it above the face.
 fn cut<R: Scalar, const N: usize, const K: usize, const M: usize>(
     piece: &Feature<R, N>,
     face: &Feature<R, K>,
     outwards: Vec3<R>,
-) -> List<Shared<R>, M> {
+    found: &mut impl FnMut(&Shared<R>),
+) {
     let (zero, half, one) = (R::splat(0.0), R::splat(0.5), R::splat(1.0));
-    let nothing = Shared { at: Vec3::zero(), height: zero, feature: 0, carried: one };
-    let mut found = List::of(nothing);
-    let Some(on_face) = face.corners().first() else { return found };
+    let Some(on_face) = face.corners().first() else { return };
     let steep = one / face.normal.dot(outwards);
     let height = |at: Vec3<R>| face.normal.dot(at - on_face.at) * steep;
     let mut share = |at: Vec3<R>, [before, after]: [u32; 2]| {
         let of_piece = |edge: u32| if edge & CUTTING == 0 { half } else { zero };
         let carried = of_piece(before) + of_piece(after);
-        found.push(Shared { at, height: height(at), feature: before << 15 | after, carried });
+        found(&Shared { at, height: height(at), feature: before << 15 | after, carried });
     };
     match piece.corners() {
         [] => {}
@@ -244,8 +242,9 @@ fn cut<R: Scalar, const N: usize, const K: usize, const M: usize>(
         }
         [from, to] => cut_line([*from, *to], face, outwards, &mut share),
         corners => {
-            let nothing: List<Left<R>, M> = List::of(Left { at: Vec3::zero(), edge: 0 });
-            let (mut polygon, mut cut) = (&mut nothing.clone(), &mut nothing.clone());
+            let nothing = Left { at: Vec3::zero(), edge: 0 };
+            let (mut polygon, mut cut): (&mut List<_, M>, &mut List<_, M>) =
+                (&mut List::of(nothing), &mut List::of(nothing));
             corners.iter().for_each(|corner| polygon.push(Left { at: corner.at, edge: corner.id & ID }));
             for (id, out, from) in sides(face, outwards) {
                 if clip(polygon, cut, CUTTING | id, |at| out.dot(at - from)) {
@@ -259,7 +258,6 @@ fn cut<R: Scalar, const N: usize, const K: usize, const M: usize>(
             }
         }
     }
-    found
 }
 
 /// Of each side of a face: the number of its first corner, a vector out of the face across it, and
