@@ -56,6 +56,10 @@ pub struct Manifold<R> {
 /// The most points that a manifold has, as many as a flat contact needs.
 pub const MAX_MANIFOLD_POINTS: usize = 4;
 
+/// Points are in a line if twice the area of a triangle of them is less than this part of the square
+/// of its longest side.
+pub(crate) const NARROW: f64 = 1e-6;
+
 /// Up to [`MAX_MANIFOLD_POINTS`] points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Points<R> {
@@ -81,6 +85,22 @@ impl<R: Scalar> Points<R> {
         self.len == 0
     }
 
+    /// Four that go around in their order take turns with those opposite: a solver that takes one
+    /// after the other around a tall body has it whirl.
+    fn opposite_in_turn(&mut self, normal: Vec3<R>) {
+        if self.len < MAX_MANIFOLD_POINTS {
+            return;
+        }
+        let [a, b, c, d] = self.points.map(|point| point.position);
+        let area = |a: Vec3<R>, b: Vec3<R>, c: Vec3<R>| normal.dot((b - a).cross(c - a));
+        let around = [area(a, b, c), area(b, c, d), area(c, d, a), area(d, a, b)];
+        let narrow = (c - a).dot(c - a) * R::splat(NARROW);
+        let goes = |way: R| around.iter().all(|area| *area * way > narrow);
+        if goes(R::splat(1.0)) || goes(R::splat(-1.0)) {
+            self.points.swap(1, 2);
+        }
+    }
+
     /// Adds one where there is room.
     pub(crate) fn push(&mut self, point: ContactPoint<R>) {
         if let Some(slot) = self.points.get_mut(self.len) {
@@ -96,7 +116,8 @@ impl<R: Scalar> Manifold<R> {
         Self { normal: Vec3::zero(), carried: R::splat(0.5), points: Points::none() }
     }
 
-    pub(crate) fn new(normal: Vec3<R>, carried: R, points: Points<R>) -> Self {
+    pub(crate) fn new(normal: Vec3<R>, carried: R, mut points: Points<R>) -> Self {
+        points.opposite_in_turn(normal);
         Self { normal, carried, points }
     }
 

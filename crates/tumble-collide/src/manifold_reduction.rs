@@ -2,7 +2,7 @@
 
 use tumble_math::lane::Vec3;
 
-use crate::manifold::{ContactPoint, MAX_MANIFOLD_POINTS, Points};
+use crate::manifold::{ContactPoint, MAX_MANIFOLD_POINTS, NARROW, Points};
 use crate::scalar::Scalar;
 
 /// By how much a later point must be better than an earlier one to be taken in its place. Only as
@@ -28,11 +28,11 @@ pub(crate) enum Cut {
     Second,
 }
 
-/// All of four points and fewer. Of more: the outermost of the deepest, the one farthest from it,
+/// Of points in a line the two ends. Else all of four points and fewer. Of more: the outermost of the deepest, the one farthest from it,
 /// the one that makes the largest triangle with both, and the one that adds most to its area.
 pub(crate) fn reduce<R: Scalar>(candidates: &[ContactPoint<R>], cut: Cut, normal: Vec3<R>, margin: R) -> Points<R> {
     let mut points = Points::none();
-    if candidates.len() <= MAX_MANIFOLD_POINTS {
+    if candidates.len() < 3 {
         candidates.iter().for_each(|candidate| points.push(*candidate));
         return points;
     }
@@ -56,6 +56,17 @@ pub(crate) fn reduce<R: Scalar>(candidates: &[ContactPoint<R>], cut: Cut, normal
     let area = |a: Vec3<R>, b: Vec3<R>, c: Vec3<R>| normal.dot((b - a).cross(c - a));
     let wide =
         best(count, |index| [deepest, far].contains(&index), |index| area(at(deepest), at(far), at(index)).abs());
+    // An edge that crosses the seams of a surface is held by its ends: what lies on three points does
+    // not roll.
+    let length = square(at(far) - at(deepest));
+    if area(at(deepest), at(far), at(wide)).abs() <= length * R::splat(NARROW) {
+        [deepest.min(far), deepest.max(far)].into_iter().for_each(|index| points.push(candidates[index]));
+        return points;
+    }
+    if count <= MAX_MANIFOLD_POINTS {
+        candidates.iter().for_each(|candidate| points.push(*candidate));
+        return points;
+    }
     let corners =
         if area(at(deepest), at(far), at(wide)) < R::splat(0.0) { [deepest, wide, far] } else { [deepest, far, wide] };
     let [a, b, c] = corners.map(at);

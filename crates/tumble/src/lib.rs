@@ -232,11 +232,11 @@ pub mod prelude {
     pub use crate::math::{Mat3, Quat, Real, Vec3};
     pub use crate::{
         Amount, AngularVelocityServo, Axes, Body, BodyError, BodyId, BodyState, Breakable, Buoyancy, CenterOfMass,
-        Collider, Cone, ConstantWrench, ContactEvent, Damping, DebugView, Drag, Drive, Drives, ForceLaw, Frame, Gain,
-        Gear, GravityMass, GravityScale, Hull, IgnoreContacts, Inertia, Integrator, Joint, JointEvent, JointFriction,
-        JointLoad, JointSolver, Ledger, Limit, Limits, LockedAxes, Magnus, Mass, Material, Momentum, Part,
-        PointGravity, Pose, PreviousPose, PrincipalAxes, Queries, QueryFilter, Ray, RayHit, RigidBody, SensorEvent,
-        Settings, Shape, Simulation, Sleep, Snapshot, Spring, SpringToPoint, Thruster, Totals, Velocity, Wind, Wrench,
-        set_angular_velocity, set_linear_velocity, set_velocity, spawn_bodies, spawn_ground,
+        Collider, CombineRule, Cone, ConstantWrench, ContactEvent, Damping, DebugView, Drag, Drive, Drives, ForceLaw,
+        Frame, Gain, Gear, GravityMass, GravityScale, Hull, IgnoreContacts, Inertia, Integrator, Joint, JointEvent,
+        JointFriction, JointLoad, JointSolver, Ledger, Limit, Limits, LockedAxes, Magnus, Mass, Material, Momentum,
+        Part, PointGravity, Pose, PreviousPose, PrincipalAxes, Queries, QueryFilter, Ray, RayHit, RigidBody,
+        SensorEvent, Settings, Shape, Simulation, Sleep, Snapshot, Spring, SpringToPoint, Thruster, Totals, Velocity,
+        Wind, Wrench, set_angular_velocity, set_linear_velocity, set_velocity, spawn_bodies, spawn_ground,
     };
 }

@@ -1,17 +1,19 @@
 //! Promise: what friction holds stays where it is: boxes, cans, cones, frusta and prisms of 2 cm to
 //! 2 m on slopes of up to nine tenths of the steepest, also on a box that they overhang; and boxes,
 //! cans and prisms on platforms that turn, at up to seven tenths of the rate that throws them off.
+//! What stands upright on level ground comes to rest.
 //!
 //! Why: points of a flat face that are others from step to step lose their impulses, and what rests
 //! trembles down the slope. Friction that stops what slides at the end of a substep instead of over
-//! it lets what turns with a platform creep inwards by `w^2 h/2` of its radius a second.
+//! it lets what turns with a platform creep inwards by `w^2 h/2` of its radius a second. Points
+//! that are solved one after the other around a tall body drive it to whirl.
 
 use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
 use hecs::World;
 use tumble::prelude::*;
-use tumble_tests::touching::{collider, pose, spawn, surfaced};
+use tumble_tests::touching::{collider, pose, spawn, surfaced, velocity};
 use tumble_tests::{Draw, cases, dvec3, quat, real, vec3};
 
 const G: f64 = 9.81;
@@ -29,6 +31,11 @@ impl Standing {
     /// One of five kinds, with this radius \[m\].
     fn new(draw: &mut Draw, radius: f64) -> Self {
         let half = radius * draw.between(0.3, 0.7);
+        Self::high(draw, radius, half)
+    }
+
+    /// The same of this half of its height \[m\].
+    fn high(draw: &mut Draw, radius: f64, half: f64) -> Self {
         let of = |shape: Shape, height: f64| Self { collider: collider(&shape), shape, origin: half, height };
         match draw.between(0.0, 5.0) as u32 {
             0 => of(Shape::cuboid([radius, half, radius * draw.between(0.5, 1.0)]), half),
@@ -49,6 +56,40 @@ impl Standing {
                 Self { collider: prism, ..of(Shape::cylinder(radius, half), half) }
             }
         }
+    }
+}
+
+/// What stands upright and is up to 4.5 times as high as wide comes to rest.
+#[test]
+fn what_stands_comes_to_rest() {
+    for case in 0..cases(80) {
+        let mut draw = Draw::new(904, case.into());
+        let radius = draw.log_between(0.01, 1.0);
+        let half = radius * draw.between(1.0, 4.5);
+        let Standing { shape, collider: touched, origin, .. } = Standing::high(&mut draw, radius, half);
+        let mut world = World::new();
+        let below = Shape::cuboid([10.0 * radius; 3]);
+        let on_plane = draw.often(0.5);
+        let (under, at) = match on_plane {
+            true => (Collider::half_space(), 0.0),
+            false => (collider(&below), -10.0 * radius),
+        };
+        spawn(&mut world, RigidBody::new(Shape::Point).fixed().position(vec3(DVec3::Y * at)), under);
+        let turn = DQuat::from_rotation_y(draw.between(0.0, TAU));
+        let body = RigidBody::new(shape.clone()).position(vec3(DVec3::Y * origin)).orientation(quat(turn));
+        let body = spawn(&mut world, body.mass(draw.log_between(0.01, 1e3)), touched);
+
+        let mut simulation = Simulation::new(settings(&mut draw, [4.0, 16.0])).unwrap();
+        let seconds = |seconds: f64| (seconds / f64::from(simulation.settings().dt)) as u32;
+        let (until, more) = (seconds(10.0), seconds(1.0));
+        simulation.step_many(&mut world, until);
+        let mut fastest = 0.0;
+        for _ in 0..more {
+            simulation.step(&mut world);
+            fastest = f64::max(fastest, dvec3(velocity(&world, body).linear).length());
+        }
+        let slow = 1e-3 * (G * half.max(radius)).sqrt();
+        assert!(fastest < slow, "case {case}, {shape:?}, on a plane {on_plane}: {fastest} m/s");
     }
 }
 

@@ -26,6 +26,7 @@ mod oblique_bounce;
 mod pile;
 mod queries;
 mod rolling_energy;
+mod rolling_on_surfaces;
 mod sensors;
 mod settling;
 mod shots;
