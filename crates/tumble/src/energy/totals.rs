@@ -15,6 +15,7 @@ use crate::integrators::state::{Constants, Moments, State};
 use crate::math::{Vec3, dvec3};
 use crate::settings::Settings;
 use crate::solver::mechanism::joint_potential::joint_potential;
+use crate::step::simulation::Simulation;
 use crate::storage::body_order::BodyOrder;
 use crate::threads::Effort;
 
@@ -66,6 +67,31 @@ pub struct Totals {
     pub angular_momentum: DVec3,
     /// The first body whose state is not finite; it is left out of the sums.
     pub non_finite: Option<Entity>,
+}
+
+impl Simulation {
+    /// Sums up energy and momentum of the moving bodies, as [`Totals::of`] does with the settings
+    /// of this simulation. To sum up in every step, keep a [`BodyOrder`] and call that.
+    ///
+    /// ```
+    /// # use tumble::prelude::*;
+    /// # let mut world = hecs::World::new();
+    /// RigidBody::new(Shape::Point)
+    ///     .mass(2.0)
+    ///     .linear_velocity(Vec3::X * 3.0)
+    ///     .build()?
+    ///     .spawn(&mut world);
+    /// let mut simulation = Simulation::new(Settings::default())?;
+    /// let before = simulation.totals(&world);
+    /// simulation.step_many(&mut world, 60);
+    /// let after = simulation.totals(&world);
+    /// assert_eq!(after.linear_momentum.x, 6.0);
+    /// assert!((after.energy() - before.energy()).abs() < 1e-3);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn totals(&self, world: &World) -> Totals {
+        Totals::of(world, self.settings(), &BodyOrder::of(world))
+    }
 }
 
 impl Totals {

@@ -12,7 +12,8 @@ use std::ops::{BitAnd, BitOr};
 /// assert!(cylinder.contains(Axes::ANGULAR_X) && !cylinder.contains(Axes::LINEAR_Y));
 /// assert_eq!(cylinder.count(), 2);
 /// assert_eq!(cylinder & Axes::LINEAR, Axes::LINEAR_X);
-/// assert_eq!(Axes::EACH.into_iter().filter(|axis| cylinder.contains(*axis)).collect::<Axes>(), cylinder);
+/// let free = Axes::EACH.into_iter().filter(|axis| cylinder.contains(*axis));
+/// assert_eq!(free.collect::<Axes>(), cylinder);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Axes(u8);

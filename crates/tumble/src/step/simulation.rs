@@ -6,7 +6,6 @@ use crate::clock::Clock;
 use crate::collision::contact_events::ContactEvent;
 use crate::collision::contact_hook::{ContactHook, ContactProposal};
 use crate::collision::sensors::SensorEvent;
-use crate::energy::totals::Totals;
 use crate::forces::force_law::ForceLaw;
 use crate::forces::registry::ForceLaws;
 use crate::forces::simd_force_law::SimdForceLaw;
@@ -19,7 +18,6 @@ use crate::step::interacting::InteractingWorld;
 use crate::step::interactions::Interactions;
 use crate::step::phase_times::PhaseTimes;
 use crate::step::steps_under_laws;
-use crate::storage::body_order::BodyOrder;
 
 /// Steps a world with validated settings and keeps the time.
 ///
@@ -175,29 +173,6 @@ impl Simulation {
     #[doc(alias("raycast", "shapecast"))]
     pub fn queries<'a>(&self, world: &'a World) -> Queries<'a> {
         self.queries.of(world)
-    }
-
-    /// Sums up energy and momentum of the moving bodies, as [`Totals::of`] does with the settings
-    /// of this simulation. To sum up in every step, keep a [`BodyOrder`] and call that.
-    ///
-    /// ```
-    /// # use tumble::prelude::*;
-    /// # let mut world = hecs::World::new();
-    /// RigidBody::new(Shape::Point)
-    ///     .mass(2.0)
-    ///     .linear_velocity(Vec3::X * 3.0)
-    ///     .build()?
-    ///     .spawn(&mut world);
-    /// let mut simulation = Simulation::new(Settings::default())?;
-    /// let before = simulation.totals(&world);
-    /// simulation.step_many(&mut world, 60);
-    /// let after = simulation.totals(&world);
-    /// assert_eq!(after.linear_momentum.x, 6.0);
-    /// assert!((after.energy() - before.energy()).abs() < 1e-3);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn totals(&self, world: &World) -> Totals {
-        Totals::of(world, &self.settings, &BodyOrder::of(world))
     }
 
     /// Makes a [`ForceLaw`] known that is a component of the bodies it acts on.
