@@ -56,8 +56,8 @@ pub struct Manifold<R> {
 /// The most points that a manifold has, as many as a flat contact needs.
 pub const MAX_MANIFOLD_POINTS: usize = 4;
 
-/// Points are in a line if twice the area of a triangle of them is less than this part of the square
-/// of its longest side.
+/// Points are in a line if twice the area of a triangle of them is less than this part of the
+/// square of its longest side.
 pub(crate) const NARROW: f64 = 1e-6;
 
 /// Up to [`MAX_MANIFOLD_POINTS`] points.
