@@ -19,7 +19,7 @@ use crate::pile::{plain_scene, settings};
 /// A snapshot, a record as CSV and one as glTF, in single and double precision.
 const PINNED: [[u64; 3]; 2] = [
     [0x0e18_8708_45ba_60bd, 0x7463_5a65_3aec_de1a, 0x32cd_2496_0ac2_6194],
-    [0x6fae_7c0f_ddc8_1d8d, 0xef2b_9afc_30a3_522e, 0x284a_a1f0_f99e_0892],
+    [0x9679_23ce_6cb3_5020, 0xef2b_9afc_30a3_522e, 0x284a_a1f0_f99e_0892],
 ];
 
 /// FNV-1a.

@@ -28,8 +28,9 @@ pub(crate) enum Cut {
     Second,
 }
 
-/// Of points in a line the two ends. Else all of four points and fewer. Of more: the outermost of the deepest, the one farthest from it,
-/// the one that makes the largest triangle with both, and the one that adds most to its area.
+/// Of points in a line the two ends. Else all of four points and fewer. Of more: the outermost of
+/// the deepest, the one farthest from it, the one that makes the largest triangle with both, and
+/// the one that adds most to its area.
 pub(crate) fn reduce<R: Scalar>(candidates: &[ContactPoint<R>], cut: Cut, normal: Vec3<R>, margin: R) -> Points<R> {
     let mut points = Points::none();
     if candidates.len() < 3 {
@@ -56,8 +57,8 @@ pub(crate) fn reduce<R: Scalar>(candidates: &[ContactPoint<R>], cut: Cut, normal
     let area = |a: Vec3<R>, b: Vec3<R>, c: Vec3<R>| normal.dot((b - a).cross(c - a));
     let wide =
         best(count, |index| [deepest, far].contains(&index), |index| area(at(deepest), at(far), at(index)).abs());
-    // An edge that crosses the seams of a surface is held by its ends: what lies on three points does
-    // not roll.
+    // An edge that crosses the seams of a surface is held by its ends: what lies on three points
+    // does not roll.
     let length = square(at(far) - at(deepest));
     if area(at(deepest), at(far), at(wide)).abs() <= length * R::splat(NARROW) {
         [deepest.min(far), deepest.max(far)].into_iter().for_each(|index| points.push(candidates[index]));

@@ -258,7 +258,8 @@ fn check<R: Scalar>(body: &Body, kind: Ground, turn: Quat<f64>, lift: f64, margi
     let wide = if matches!(kind, Ground::HalfSpace) { size } else { WIDE };
     let slack = 64.0 * R::ROUNDING * wide + 1e-12;
     let least = points.iter().fold(f64::INFINITY, |least, (_, height)| f64::min(least, *height));
-    // The lowest, within what is not worth a change of corner: a part of the margin and of the depth.
+    // The lowest, within what is not worth a change of corner: a part of the margin and of the
+    // depth.
     let worth = 0.0105 * margin.min(2.0 * size) + 2e-5 * size + 0.41 * f64::min(f64::max(-target, 0.0), 4.0 * margin);
     prop_assert!(least >= target - slack && least <= target + worth + slack, "{least} for {target}: {points:?}");
     // Other grounds are touched by the points of one face, which may be steep; over a half-space

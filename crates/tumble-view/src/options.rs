@@ -138,7 +138,8 @@ impl Task<PathBuf> {
 }
 
 impl Options {
-    /// Those of a page, which has no command line: a parser of one would be a part of what it loads.
+    /// Those of a page, which has no command line: a parser of one would be a part of what it
+    /// loads.
     pub(crate) fn of_page() -> Self {
         let size = Size { width: 1280, height: 720 };
         let view =

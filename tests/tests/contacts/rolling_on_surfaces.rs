@@ -1,5 +1,6 @@
 //! Promise: what rolls over a flat mesh or height field rolls as on a plane: capsules and cans of
-//! 5 cm to 2 m keep speed and direction, whatever the triangles are and however they lie to its way.
+//! 5 cm to 2 m keep speed and direction, whatever the triangles are and however they lie to its
+//! way.
 //!
 //! Why: an edge of a body that crosses the seams of triangles has a point at each. Taken for a face
 //! that lies on three points its contact does not roll: a capsule along a seam went four times as
@@ -17,8 +18,8 @@ use tumble_tests::{Draw, cases, dvec3, quat, real, run, vec3};
 /// Vertices along each side of the ground.
 const SIDE: usize = 25;
 
-/// Level ground of cells of this size \[m\]: a height field, or a mesh with its vertices moved about
-/// and either diagonal of each cell.
+/// Level ground of cells of this size \[m\]: a height field, or a mesh with its vertices moved
+/// about and either diagonal of each cell.
 fn level_ground(draw: &mut Draw, cell: f64) -> Collider {
     if draw.often(0.3) {
         return Collider::height_field(vec![0.0; SIDE * SIDE], SIDE, [cell; 2]).unwrap();
