@@ -4,6 +4,9 @@ use hecs::World;
 use tumble::math::{Real, Vec3};
 use tumble::{BodyOrder, Integrator, Settings, Simulation, state_hash};
 
+use crate::comparison::real;
+use crate::draw::Draw;
+
 /// With one gravity everywhere, and a step \[s\] of one substep.
 pub fn simulation(integrator: Integrator, gravity: Vec3, dt: Real) -> Simulation {
     let settings = Settings::default().with_gravity(gravity).with_dt(dt).with_integrator(integrator);
@@ -13,6 +16,13 @@ pub fn simulation(integrator: Integrator, gravity: Vec3, dt: Real) -> Simulation
 /// Without gravity.
 pub fn weightless(integrator: Integrator, dt: Real) -> Simulation {
     simulation(integrator, Vec3::ZERO, dt)
+}
+
+/// Of 60 to 240 steps a second, with a number of contact substeps in this range.
+pub fn settings_at_random(draw: &mut Draw, [least, most]: [f64; 2]) -> Settings {
+    let rate = draw.log_between(60.0, 240.0);
+    let substeps = draw.log_between(least, most).round();
+    Settings::default().with_dt(real(1.0 / rate)).with_contact_substeps(substeps as u32)
 }
 
 /// Step by step, as a game does, and not many at once.

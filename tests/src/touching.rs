@@ -53,6 +53,16 @@ pub fn collider(shape: &Shape) -> Collider {
     Collider::new(shape).expect("a shape that can be touched")
 }
 
+/// A prism about y with a regular face of this number of sides, by its radius and half its height
+/// \[m\].
+pub fn prism(sides: u32, radius: f64, half: f64) -> Collider {
+    let corner = |i: u32| {
+        let (sin, cos) = (std::f64::consts::TAU * f64::from(i / 2) / f64::from(sides)).sin_cos();
+        glam::DVec3::new(radius * cos, if i.is_multiple_of(2) { half } else { -half }, radius * sin)
+    };
+    Collider::convex_hull((0..2 * sides).map(corner)).expect("a prism with three sides or more")
+}
+
 /// With half the length of its edges \[m\].
 pub fn cube(half: f64) -> Shape {
     Shape::cuboid([half, half, half])

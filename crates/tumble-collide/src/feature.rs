@@ -2,10 +2,26 @@
 
 use tumble_math::lane::Vec3;
 
+use crate::manifold_reduction::pressed_in;
 use crate::scalar::Scalar;
 
 /// The most corners of a piece; of a face with more, as many are left out evenly.
 pub(crate) const MAX_CORNERS: usize = 16;
+
+/// How far a face may be out of the way and still be stood on \[m\].
+#[derive(Clone, Copy)]
+pub(crate) struct Near {
+    pub(crate) margin: f64,
+    /// How far a load presses it in.
+    pub(crate) pressed: f64,
+}
+
+impl Near {
+    /// Of shapes at this separation \[m\].
+    pub(crate) fn at(separation: f64, margin: f64) -> Self {
+        Self { margin, pressed: pressed_in(separation, margin) }
+    }
+}
 
 /// A corner, and its number in the shape.
 #[derive(Clone, Copy, Debug)]

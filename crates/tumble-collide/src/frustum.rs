@@ -2,7 +2,7 @@
 
 use tumble_math::lane::Lane;
 
-use crate::feature::Feature;
+use crate::feature::{Feature, Near};
 use crate::support_map::Vector;
 
 /// About y, from `-half_height` to `+half_height`.
@@ -57,13 +57,13 @@ impl Frustum {
     }
 
     /// A cap, or the line on the side that looks along a unit vector.
-    pub(crate) fn feature(&self, d: Vector, near: [f64; 2]) -> Feature<f64> {
+    pub(crate) fn feature(&self, d: Vector, near: Near) -> Feature<f64> {
         self.cap::<8>(d, near).unwrap_or_else(|| self.side(d))
     }
 
     /// Points of a cap where it is stood on or nearly: none of its rim is higher than the lowest by
     /// more than twice the margin and how far it is pressed in \[m\].
-    pub(crate) fn cap<const N: usize>(&self, d: Vector, [margin, pressed]: [f64; 2]) -> Option<Feature<f64>> {
+    pub(crate) fn cap<const N: usize>(&self, d: Vector, Near { margin, pressed }: Near) -> Option<Feature<f64>> {
         let normal = self.cap_normal(d)?;
         let upper = normal.y > 0.0;
         let (radius, y) = (self.radii[usize::from(upper)], self.half_height * normal.y);

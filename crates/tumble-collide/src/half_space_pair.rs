@@ -2,8 +2,8 @@
 
 use crate::collider_shape::{ColliderShape, Isometry};
 use crate::convex_pair::wide_placement;
+use crate::feature::Near;
 use crate::manifold::{ContactPoint, Manifold, Points};
-use crate::manifold_reduction::pressed_in;
 use crate::scalar::Scalar;
 use crate::support_map::{Convex, Vector, narrow};
 use crate::underside::stood_on;
@@ -36,7 +36,7 @@ pub(crate) fn half_space_and_other<R: Scalar>(
             Some((support_map, _)) => {
                 let down = up * -1.0;
                 let margin: f64 = margin.into();
-                let near_ground = [margin, pressed_in(up.dot(support_map.support(down) - below), margin)];
+                let near_ground = Near::at(up.dot(support_map.support(down) - below), margin);
                 let feature = match support_map {
                     Convex::Frustum(frustum) => {
                         frustum.cap::<4>(down, near_ground).unwrap_or_else(|| frustum.side(down))

@@ -85,9 +85,9 @@ impl<R: Scalar> Points<R> {
         self.len == 0
     }
 
-    /// Four that go around in their order take turns with those opposite: a solver that takes one
-    /// after the other around a tall body has it whirl.
-    fn opposite_in_turn(&mut self, normal: Vec3<R>) {
+    /// Orders four points that go around so that each pair of opposite ones is together: a solver
+    /// that goes around a tall body, point by point, makes it whirl.
+    fn pair_opposite(&mut self, normal: Vec3<R>) {
         if self.len < MAX_MANIFOLD_POINTS {
             return;
         }
@@ -117,7 +117,7 @@ impl<R: Scalar> Manifold<R> {
     }
 
     pub(crate) fn new(normal: Vec3<R>, carried: R, mut points: Points<R>) -> Self {
-        points.opposite_in_turn(normal);
+        points.pair_opposite(normal);
         Self { normal, carried, points }
     }
 

@@ -11,10 +11,10 @@ use std::collections::HashMap;
 use crate::collider_shape::{ColliderShape, Isometry};
 use crate::convex_pair::{Approach, FACE_LEAD, difference, manifold_of, wide_placement, with_faces_first};
 use crate::face_clipping::{AS_NEAR, FaceClipping, ON_THE_SIDE, is_corner_of_second};
-use crate::feature::{Feature, MAX_CORNERS};
+use crate::feature::{Feature, MAX_CORNERS, Near};
 use crate::gjk::on_triangle;
 use crate::manifold::{ContactPoint, Manifold};
-use crate::manifold_reduction::{pressed, pressed_in};
+use crate::manifold_reduction::pressed;
 use crate::minkowski::Difference;
 use crate::scalar::Scalar;
 use crate::support_map::{Convex, Vector, narrow, unit};
@@ -188,7 +188,7 @@ impl<S: Surface> Over<'_, S> {
         match small_piece(&shapes.second, down) {
             Some(piece) => self.hold_piece::<4, SMALL>(triangle, shapes, &piece, normal, lowest),
             None => {
-                let piece = shapes.second.feature(down, [self.margin, pressed_in(lowest.1, self.margin)]);
+                let piece = shapes.second.feature(down, Near::at(lowest.1, self.margin));
                 self.hold_piece::<MAX_CORNERS, { 2 * MAX_CORNERS }>(triangle, shapes, &piece, normal, lowest)
             }
         }

@@ -4,7 +4,7 @@ use tumble_math::lane::Vec3;
 
 use crate::collider_shape::ColliderShape;
 use crate::convex_hull::ConvexHull;
-use crate::feature::Feature;
+use crate::feature::{Feature, Near};
 use crate::frustum::Frustum;
 use crate::scalar::Scalar;
 
@@ -100,8 +100,8 @@ impl<'a> Convex<'a> {
     }
 
     /// The piece of the surface that holds the point furthest in the direction of a unit vector; of
-    /// faces not further out of the way than `near`, a margin and how far it is pressed in \[m\].
-    pub(crate) fn feature(&self, d: Vector, near: [f64; 2]) -> Feature<f64> {
+    /// faces not further out of the way than is near.
+    pub(crate) fn feature(&self, d: Vector, near: Near) -> Feature<f64> {
         match *self {
             Self::Point => Feature::point(Vector::zero()),
             Self::Segment { half_height } => {
@@ -114,7 +114,7 @@ impl<'a> Convex<'a> {
                 let [below, above] = tapered_ends(radii, half_height, d);
                 Feature::segment(below, above)
             }
-            Self::Hull(hull) => hull.feature(d, near[1]),
+            Self::Hull(hull) => hull.feature(d, near.pressed),
             Self::Triangle([a, b, c]) => {
                 let normal = unit((b - a).cross(c - a));
                 if normal.dot(d) >= 0.0 {

@@ -79,7 +79,7 @@ pub enum InertiaError {
         /// The mass \[kg\].
         mass: f64,
     },
-    /// An offset in a parallel-axis shift is not finite, or so long that its square overflows.
+    /// An offset in a parallel-axis shift is not finite, or its square overflows.
     #[error("the offset {} is not finite or too long", listed(*.offset))]
     Offset {
         /// The offset \[m\].

@@ -8,7 +8,7 @@
 use hecs::{Entity, World};
 use tumble::math::{Quat, Vec3};
 use tumble::prelude::*;
-use tumble_tests::touching::{pose, spawn, velocity};
+use tumble_tests::touching::{pose, prism, spawn, velocity};
 use tumble_tests::{Draw, dvec3, real};
 
 const GRAVITY: f64 = 9.81;
@@ -50,11 +50,7 @@ fn spawn_ground(world: &mut World, kind: &str, draw: &mut Draw) {
 fn prism_or_halves(draw: &mut Draw, [radius, half]: [f64; 2]) -> (Shape, Collider) {
     if draw.often(0.5) {
         let sides = draw.between(5.0, 12.99) as u32;
-        let corner = |i: u32| {
-            let (sin, cos) = (std::f64::consts::TAU * f64::from(i / 2) / f64::from(sides)).sin_cos();
-            glam::DVec3::new(radius * cos, if i.is_multiple_of(2) { half } else { -half }, radius * sin)
-        };
-        return (Shape::cylinder(radius, half), Collider::convex_hull((0..2 * sides).map(corner)).unwrap());
+        return (Shape::cylinder(radius, half), prism(sides, radius, half));
     }
     let part = Collider::new(&Shape::cuboid([0.5 * radius, half, radius])).unwrap();
     let halves = [-0.5, 0.5].map(|side| {

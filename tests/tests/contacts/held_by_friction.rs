@@ -13,8 +13,8 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3};
 use hecs::World;
 use tumble::prelude::*;
-use tumble_tests::touching::{collider, pose, spawn, surfaced, velocity};
-use tumble_tests::{Draw, cases, dvec3, quat, real, vec3};
+use tumble_tests::touching::{collider, pose, prism, spawn, surfaced, velocity};
+use tumble_tests::{Draw, cases, dvec3, quat, real, settings_at_random, vec3};
 
 const G: f64 = 9.81;
 
@@ -48,12 +48,7 @@ impl Standing {
             }
             _ => {
                 let sides = draw.between(3.0, 12.99) as u32;
-                let corner = |i: u32| {
-                    let (sin, cos) = (TAU * f64::from(i / 2) / f64::from(sides)).sin_cos();
-                    DVec3::new(radius * cos, if i.is_multiple_of(2) { half } else { -half }, radius * sin)
-                };
-                let prism = Collider::convex_hull((0..2 * sides).map(corner)).unwrap();
-                Self { collider: prism, ..of(Shape::cylinder(radius, half), half) }
+                Self { collider: prism(sides, radius, half), ..of(Shape::cylinder(radius, half), half) }
             }
         }
     }
@@ -79,7 +74,7 @@ fn what_stands_comes_to_rest() {
         let body = RigidBody::new(shape.clone()).position(vec3(DVec3::Y * origin)).orientation(quat(turn));
         let body = spawn(&mut world, body.mass(draw.log_between(0.01, 1e3)), touched);
 
-        let mut simulation = Simulation::new(settings(&mut draw, [4.0, 16.0])).unwrap();
+        let mut simulation = Simulation::new(settings_at_random(&mut draw, [4.0, 16.0])).unwrap();
         let seconds = |seconds: f64| (seconds / f64::from(simulation.settings().dt)) as u32;
         let (until, more) = (seconds(10.0), seconds(1.0));
         simulation.step_many(&mut world, until);
@@ -91,12 +86,6 @@ fn what_stands_comes_to_rest() {
         let slow = 1e-3 * (G * half.max(radius)).sqrt();
         assert!(fastest < slow, "case {case}, {shape:?}, on a plane {on_plane}: {fastest} m/s");
     }
-}
-
-fn settings(draw: &mut Draw, substeps: [f64; 2]) -> Settings {
-    let rate = draw.log_between(60.0, 240.0);
-    let substeps = draw.log_between(substeps[0], substeps[1]).round();
-    Settings::default().with_dt(real(1.0 / rate)).with_contact_substeps(substeps as u32)
 }
 
 #[test]
@@ -125,7 +114,7 @@ fn what_friction_holds_on_a_slope_stays() {
             .orientation(quat(DQuat::from_rotation_y(draw.between(0.0, TAU))));
         let body = spawn(&mut world, body, surfaced(touched, surface));
 
-        let settings = settings(&mut draw, [4.0, 16.0]).with_gravity(vec3(gravity));
+        let settings = settings_at_random(&mut draw, [4.0, 16.0]).with_gravity(vec3(gravity));
         let mut simulation = Simulation::new(settings).unwrap();
         let steps = |seconds: f64| (seconds / f64::from(settings.dt)) as u32;
         simulation.step_many(&mut world, steps(2.0));
@@ -164,7 +153,7 @@ fn what_friction_holds_on_a_turning_platform_turns_with_it() {
             .angular_velocity(vec3(spin));
         let body = spawn(&mut world, body, surfaced(touched, surface));
 
-        let mut simulation = Simulation::new(settings(&mut draw, [4.0, 16.0])).unwrap();
+        let mut simulation = Simulation::new(settings_at_random(&mut draw, [4.0, 16.0])).unwrap();
         let dt = f64::from(simulation.settings().dt);
         simulation.step_many(&mut world, (1.0 / dt) as u32);
         let radial = |world: &World| {

@@ -126,7 +126,7 @@ fn simulate(striker: &Striker, blow: &Blow, time: &Time) -> (DVec3, DVec3) {
     let body = spawn(&mut world, body, surfaced(collider(&striker.shape), surface));
     let settings = Settings::default().with_gravity(Vec3::ZERO).with_dt(time.dt as Real);
     let mut simulation = Simulation::new(settings).unwrap();
-    // Until a step after the blow, and not so long that something else touches.
+    // Until a step after the blow, before anything else touches.
     for _ in 0..2 + (time.seconds / time.dt) as u32 {
         simulation.step(&mut world);
     }

@@ -13,7 +13,7 @@ use hecs::World;
 use tumble::Collider;
 use tumble::prelude::*;
 use tumble_tests::touching::{collider, spawn, surfaced, velocity};
-use tumble_tests::{Draw, cases, dvec3, quat, real, run, vec3};
+use tumble_tests::{Draw, cases, dvec3, quat, real, run, settings_at_random, vec3};
 
 /// Vertices along each side of the ground.
 const SIDE: usize = 25;
@@ -66,11 +66,9 @@ fn what_rolls_over_seams_keeps_its_speed() {
             .linear_velocity(vec3(way))
             .angular_velocity(vec3(turn * DVec3::X * (speed / radius)));
         let body = spawn(&mut world, body, surfaced(collider(&shape), surface));
-        let rate = draw.log_between(60.0, 240.0);
-        let substeps = draw.log_between(2.0, 16.0).round() as u32;
-        let settings = Settings::default().with_dt(real(1.0 / rate)).with_contact_substeps(substeps);
+        let settings = settings_at_random(&mut draw, [2.0, 16.0]);
         let mut simulation = Simulation::new(settings).unwrap();
-        run(&mut simulation, &mut world, (seconds * rate) as u32);
+        run(&mut simulation, &mut world, (seconds / f64::from(settings.dt)) as u32);
 
         let now = dvec3(velocity(&world, body).linear);
         let wrong = (now - way).length() / speed;

@@ -10,7 +10,7 @@ const GOLDEN: u32 = 2_654_435_769;
 /// spread over them all.
 ///
 /// One is taken of each of equally many neighbours, each time at another place among them, for
-/// kinds of bodies often take turns and every tenth may be a ball.
+/// kinds of bodies often alternate and every tenth may be a ball.
 pub(crate) fn choose(count: usize, most: usize, is_scenery: impl Fn(usize) -> bool) -> Vec<usize> {
     if count <= most {
         return (0..count).collect();

@@ -10,7 +10,7 @@
 //!
 //! - the stiffness, so that the frequencies of moving and of turning stay below an angle each
 //!   ([`stiffness_up_to`]),
-//! - the arm `r`, which is drawn in where the spring is so long that the pendulum were faster
+//! - the arm `r`, which is drawn in where the length of the spring would make the pendulum faster
 //!   ([`Arm`]),
 //! - what is left unresolved is damped, where the pendulum turns by more than 0.55 radians a
 //!   substep.

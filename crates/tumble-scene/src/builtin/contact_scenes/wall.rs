@@ -13,7 +13,7 @@ const SPEED: f64 = 15.0;
 const AFTER: f64 = 0.5;
 
 /// Layers of bricks, every other one shifted by half a brick and with half bricks at its ends; the
-/// ball flies so long that the wall is first seen to stand.
+/// ball flies long enough for the wall to be seen standing first.
 pub(crate) fn scene(bodies: usize) -> SceneModel {
     // As many layers as bricks in one: twice as wide as high.
     let columns = (1..).find(|columns| columns * columns + columns / 2 >= bodies).unwrap_or(1);

@@ -118,7 +118,7 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
         one,
         zero,
     );
-    // Balls answer alike in all directions, unless axes of theirs are locked.
+    // Balls respond alike in all directions, unless axes of theirs are locked.
     let of_locks = if mobility.locks.are_there() { one } else { zero };
     let changed = T::select(zero.lt(of_balls(rule)), of_locks, slide.max(delta_pose.turned));
     if T::any(zero.lt(changed)) {
