@@ -5,11 +5,10 @@
 
 use std::any::{TypeId, type_name};
 use std::fmt;
-use std::hash::{Hash, Hasher};
 use std::marker::PhantomData;
 use std::sync::{Arc, OnceLock};
 
-use hecs::{Archetype, Component, EntityRef, World};
+use hecs::{Archetype, Component, EntityRef};
 
 use crate::components::Wrench;
 use crate::components::work::FORCE_KINDS;
@@ -21,6 +20,7 @@ use crate::forces::pairwise::{GravityMass, Spring};
 use crate::forces::simd_force_law::{SimdBody, SimdForceLaw};
 use crate::forces::tile_buffer::TileBuffer;
 use crate::math::Real;
+use crate::storage::type_marks::TypeMarks;
 
 /// The laws of a simulation: the force components, which every simulation knows, and those that
 /// were added, in their order.
@@ -219,14 +219,19 @@ impl ForceLaws {
         self.added.is_empty()
     }
 
-    /// Whether there is a body in the world on which a law may act.
-    pub(crate) fn act_in(&self, world: &World) -> bool {
-        world.archetypes().any(|archetype| !archetype.is_empty() && self.may_act_on(archetype))
+    /// Whether any were added.
+    pub(crate) fn are_added(&self) -> bool {
+        !self.added.is_empty()
+    }
+
+    /// The types of the force components of a body by itself.
+    pub(crate) fn component_types() -> impl Iterator<Item = TypeId> {
+        KNOWN.iter().filter_map(|source| source.component())
     }
 
     /// Whether a law may act on the bodies of an archetype.
     pub(crate) fn may_act_on(&self, archetype: &Archetype) -> bool {
-        !self.added.is_empty() || may_have_forces(archetype)
+        self.are_added() || may_have_forces(archetype)
     }
 
     /// The laws, with their indices: the index of an account is that of the law.
@@ -259,49 +264,13 @@ impl ForceLaws {
 
 /// Whether an archetype may have force components, those between bodies included; seldom says so of
 /// one that has none.
-///
-/// In a world of one body the step takes two hundred nanoseconds, and asking the archetype for ten
-/// types would take eighty. Its own few are looked up in a table of bits instead.
 pub(crate) fn may_have_forces(archetype: &Archetype) -> bool {
-    const BITS: u64 = 1024;
-    type Table = [u64; BITS as usize / 64];
-    static TABLE: OnceLock<Table> = OnceLock::new();
-    let place = |id: TypeId| {
-        let mut hash = OwnBits(0);
-        id.hash(&mut hash);
-        let bit = hash.0 % BITS;
-        ((bit / 64) as usize, 1_u64 << (bit % 64))
-    };
-    let table = TABLE.get_or_init(|| {
+    static FORCES: OnceLock<TypeMarks> = OnceLock::new();
+    let forces = FORCES.get_or_init(|| {
         let between_bodies = [TypeId::of::<Spring>(), TypeId::of::<GravityMass>()];
-        let mut table: Table = [0; BITS as usize / 64];
-        for id in KNOWN.iter().filter_map(|source| source.component()).chain(between_bodies) {
-            let (word, bit) = place(id);
-            table[word] |= bit;
-        }
-        table
+        TypeMarks::of(ForceLaws::component_types().chain(between_bodies).map(|id| (id, 1)))
     });
-    archetype.component_types().any(|id| {
-        let (word, bit) = place(id);
-        table[word] & bit != 0
-    })
-}
-
-/// A [`TypeId`] is a hash already: of what it writes, the last is taken.
-struct OwnBits(u64);
-
-impl Hasher for OwnBits {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|byte| self.0 = self.0.rotate_left(8) ^ u64::from(*byte));
-    }
-
-    fn write_u64(&mut self, bits: u64) {
-        self.0 = bits;
-    }
+    forces.on(archetype) != 0
 }
 
 /// Puts the laws of `sources`, which come last first, before those that are there: one call deeper

@@ -8,13 +8,12 @@ use crate::storage::world_columns::WorldColumns;
 use crate::threads::Effort;
 
 /// Calls `system` once for every chunk of moving bodies, with the laws that act on them, in
-/// parallel.
+/// parallel. Whether any may is given.
 pub(crate) fn for_each_chunk_under(
     world: &mut World,
-    laws: &ForceLaws,
+    (laws, are_under_laws): (&ForceLaws, bool),
     system: impl Fn(&mut Chunk<'_>, Laws<'_>) + Sync,
 ) {
-    let are_under_laws = laws.act_in(world);
     if has_few_bodies(world) && !are_under_laws {
         return for_each_body(world, |body| system(body, Laws::default()));
     }

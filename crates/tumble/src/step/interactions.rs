@@ -43,11 +43,6 @@ impl fmt::Debug for Interactions {
 }
 
 impl Interactions {
-    /// Whether bodies of a world may act on each other.
-    pub(crate) fn is_in(world: &World) -> bool {
-        pairwise::are_in(world) || collision::are_in(world) || joints::are_in(world)
-    }
-
     /// Lists springs, gravity sources and colliders. To be called again when anything was spawned,
     /// despawned or changed but momentum and pose.
     pub(crate) fn update(&mut self, world: &World) {

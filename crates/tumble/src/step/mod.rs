@@ -4,7 +4,6 @@ pub(crate) mod advance;
 pub(crate) mod body_forces;
 pub(crate) mod body_slices;
 pub(crate) mod contact_report;
-pub(crate) mod effort;
 pub(crate) mod interacting;
 pub(crate) mod interactions;
 pub(crate) mod joint_report;
@@ -13,6 +12,7 @@ pub(crate) mod mistakes;
 pub(crate) mod pack_key;
 pub(crate) mod phase_times;
 pub(crate) mod phased_step;
+pub(crate) mod population;
 pub(crate) mod sensor_report;
 pub(crate) mod simulation;
 pub(crate) mod sleep_report;
@@ -35,9 +35,9 @@ use crate::forces::registry::ForceLaws;
 use crate::forces::under_laws::for_each_chunk_under;
 use crate::integrators::kinematic;
 use crate::settings::Settings;
-use crate::step::effort::effort_of_steps;
 use crate::step::interacting::{InteractingWorld, step_interacting};
 use crate::step::interactions::Interactions;
+use crate::step::population::Population;
 use crate::step::systems::{accumulate_forces_of, integrate_bodies, remember_poses_of, step_chunk, update_derived_of};
 
 /// Advances every body of the world by `settings.dt`: the three systems, the motion of kinematic
@@ -80,28 +80,28 @@ pub(crate) fn steps_under_laws(
 ) {
     crate::scope::scope!("tumble::step");
     let collision = interactions.as_ref().and_then(|interactions| interactions.collision.as_ref());
-    let effort = effort_of_steps(world, laws, collision, steps);
-    effort.run(|| steps_here(world, settings, laws, interactions, steps, clock, times));
+    let population = Population::of(world, laws);
+    let effort = population.effort(collision, steps);
+    effort.run(|| steps_here(world, (&population, settings, laws), interactions, steps, clock, times));
 }
 
 /// The same where the caller is.
 fn steps_here(
     world: &mut World,
-    settings: &Settings,
-    laws: &ForceLaws,
+    (population, settings, laws): (&Population, &Settings, &ForceLaws),
     interactions: &mut Option<Box<Interactions>>,
     steps: u32,
     clock: Clock,
     times: Option<&PhaseTimes>,
 ) {
-    if Interactions::is_in(world) {
+    if population.interacts() {
         let interactions = interactions.get_or_insert_default();
         step_interacting(&mut [InteractingWorld::new(world, settings, laws, interactions, clock)], None, steps, times);
     } else {
         if let Some(interactions) = interactions {
             interactions.pass(world, steps);
         }
-        for_each_chunk_under(world, laws, |bodies, laws| {
+        for_each_chunk_under(world, (laws, population.are_under_laws()), |bodies, laws| {
             if times.is_none() {
                 return step_chunk(bodies, laws, settings, steps, &|step| clock.time_after(step));
             }
@@ -116,6 +116,8 @@ fn steps_here(
                 stopwatch.end_of(StepPhase::UpdateDerived);
             }
         });
-        kinematic::move_kinematic_bodies(world, settings.dt, steps);
+        if population.has_kinematic {
+            kinematic::move_kinematic_bodies(world, settings.dt, steps);
+        }
     }
 }

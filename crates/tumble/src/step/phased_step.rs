@@ -6,9 +6,8 @@ use hecs::World;
 
 use crate::components::Wrenches;
 use crate::forces::under_laws::for_each_chunk_under;
-use crate::step::effort::effort_of_steps;
 use crate::step::interacting::{SubstepHalf, SubstepIndex};
-use crate::step::interactions::Interactions;
+use crate::step::population::Population;
 use crate::step::simulation::Simulation;
 use crate::step::systems::{
     accumulate_forces, integrate_bodies, move_kinematic_bodies, remember_poses, update_derived,
@@ -97,8 +96,7 @@ pub struct Step<'a> {
     simulation: &'a mut Simulation,
     world: &'a mut World,
     effort: Effort,
-    /// Whether bodies act on each other.
-    interacting: bool,
+    population: Population,
     next: Option<StepPhase>,
     substep: u32,
     /// Whether the thread was unwinding when the step began.
@@ -133,9 +131,9 @@ impl Simulation {
     pub fn begin_step<'a>(&'a mut self, world: &'a mut World) -> Step<'a> {
         self.forget_events();
         self.has_stepped = false;
-        let effort = effort_of_steps(world, self.laws(), self.collision(), 1);
-        let interacting = Interactions::is_in(world);
-        if interacting {
+        let population = Population::of(world, self.laws());
+        let effort = population.effort(self.collision(), 1);
+        if population.interacts() {
             let interactions = self.interactions.get_or_insert_default();
             interactions.update(world);
             interactions.begin_step();
@@ -146,7 +144,7 @@ impl Simulation {
             simulation: self,
             world,
             effort,
-            interacting,
+            population,
             next: Some(StepPhase::RememberPoses),
             substep: 0,
             began_unwinding: std::thread::panicking(),
@@ -169,12 +167,12 @@ impl Step<'_> {
     /// Runs the next phase, and returns which it was; `None` where the step was done.
     pub fn run_phase(&mut self) -> Option<StepPhase> {
         let phase = self.next?;
-        let Self { simulation, world, interacting, substep, .. } = self;
+        let Self { simulation, world, population, substep, .. } = self;
         let (simulation, world, substep) = (&mut **simulation, &mut **world, *substep);
-        if *interacting {
+        if population.interacts() {
             self.effort.run(|| run_interacting(simulation, world, phase, substep));
         } else {
-            self.effort.run(|| run_without_interactions(simulation, world, phase));
+            self.effort.run(|| run_without_interactions(simulation, world, (population, phase)));
         }
         self.next = self.after(phase);
         if self.next.is_none() {
@@ -216,13 +214,13 @@ impl Step<'_> {
     fn after(&mut self, phase: StepPhase) -> Option<StepPhase> {
         Some(match phase {
             StepPhase::RememberPoses => StepPhase::AccumulateForces,
-            StepPhase::AccumulateForces if self.interacting => StepPhase::PairForcesBefore,
+            StepPhase::AccumulateForces if self.population.interacts() => StepPhase::PairForcesBefore,
             StepPhase::AccumulateForces => StepPhase::Integrate,
             StepPhase::PairForcesBefore => StepPhase::FindContacts,
             StepPhase::FindContacts => StepPhase::SolveContacts,
             StepPhase::SolveContacts => StepPhase::Integrate,
             StepPhase::Integrate => StepPhase::MoveKinematic,
-            StepPhase::MoveKinematic if self.interacting => StepPhase::PairForcesAfter,
+            StepPhase::MoveKinematic if self.population.interacts() => StepPhase::PairForcesAfter,
             StepPhase::MoveKinematic => StepPhase::UpdateDerived,
             StepPhase::PairForcesAfter if self.substep + 1 < self.simulation.settings().substeps => {
                 self.substep += 1;
@@ -268,12 +266,12 @@ fn run_interacting(simulation: &mut Simulation, world: &mut World, phase: StepPh
 }
 
 /// Of a world in which they do not.
-fn run_without_interactions(simulation: &Simulation, world: &mut World, phase: StepPhase) {
+fn run_without_interactions(simulation: &Simulation, world: &mut World, (population, phase): (&Population, StepPhase)) {
     let (settings, laws, time) = (simulation.settings(), simulation.laws(), simulation.time());
     match phase {
         StepPhase::RememberPoses => remember_poses(world),
         StepPhase::AccumulateForces => accumulate_forces(world, settings.gravity),
-        StepPhase::Integrate => for_each_chunk_under(world, laws, |bodies, laws| {
+        StepPhase::Integrate => for_each_chunk_under(world, (laws, population.are_under_laws()), |bodies, laws| {
             integrate_bodies(bodies, laws, settings, time, Wrenches::Consumed);
         }),
         StepPhase::MoveKinematic => move_kinematic_bodies(world, settings.dt),

@@ -17,6 +17,7 @@ use crate::settings::{Settings, SettingsError};
 use crate::step::interacting::InteractingWorld;
 use crate::step::interactions::Interactions;
 use crate::step::phase_times::PhaseTimes;
+use crate::step::population::Population;
 use crate::step::steps_under_laws;
 
 /// Steps a world with validated settings and keeps the time.
@@ -289,7 +290,7 @@ impl Simulation {
 
     /// The world with its interactions, if bodies act on each other in it.
     pub(crate) fn interacting<'a>(&'a mut self, world: &'a mut World) -> Option<InteractingWorld<'a>> {
-        if !Interactions::is_in(world) {
+        if !Population::of(world, &self.laws).interacts() {
             return None;
         }
         self.forget_events();

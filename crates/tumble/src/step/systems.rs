@@ -17,6 +17,7 @@ use crate::step::advance::{Extent, advance};
 use crate::step::interacting::{InteractingWorld, KinematicBodies, integrate_interacting};
 use crate::step::interactions::Interactions;
 use crate::step::phase_times::PhaseTimes;
+use crate::step::population::Population;
 use crate::storage::body_index::Slot;
 use crate::storage::chunk::{Chunk, RowOrder, for_each_chunk};
 use crate::storage::tile_io::splat;
@@ -88,14 +89,15 @@ pub fn integrate(world: &mut World, settings: &Settings) {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn integrate_under_laws(world: &mut World, settings: &Settings, laws: &ForceLaws, time: f64) {
-    if Interactions::is_in(world) {
+    let population = Population::of(world, laws);
+    if population.interacts() {
         let mut interactions = Interactions::default();
         interactions.update(world);
         interactions.begin_step();
         let interacting = InteractingWorld::of_known(world, settings, laws, &mut interactions, Clock::at(time));
         integrate_interacting(&mut [interacting], None, 0, KinematicBodies::Stay, &mut PhaseTimes::start(None));
     } else {
-        for_each_chunk_under(world, laws, |bodies, laws| {
+        for_each_chunk_under(world, (laws, population.are_under_laws()), |bodies, laws| {
             integrate_bodies(bodies, laws, settings, time, Wrenches::Consumed);
         });
     }

@@ -6,4 +6,5 @@ pub(crate) mod body_order;
 pub(crate) mod chunk;
 pub(crate) mod plain_chunk;
 pub(crate) mod tile_io;
+pub(crate) mod type_marks;
 pub(crate) mod world_columns;
