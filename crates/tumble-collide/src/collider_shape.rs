@@ -13,6 +13,7 @@ use crate::mesh::Mesh;
 use crate::mesh_pair;
 use crate::scalar::Scalar;
 use crate::support_map::{Convex, Vector, narrow, unit, wide};
+use crate::surface::Surface;
 
 /// A shape that others can touch, in its own frame: axes of revolution lie along y, and the origin
 /// is at mid-height, as in [`tumble_math::Shape`]. Lengths are in metres.
@@ -210,6 +211,23 @@ impl<R: Scalar> ColliderShape<R> {
         match self {
             Self::Cuboid { .. } | Self::Hull(_) | Self::Mesh(_) | Self::HeightField(_) | Self::HalfSpace => false,
             Self::Compound(compound) => compound.has_round_part(),
+            _ => true,
+        }
+    }
+
+    /// Whether the contacts of a part of it are with one plane: of a surface of triangles a part is
+    /// a flat piece, or a side or corner; other shapes are taken to have faces alone.
+    ///
+    /// ```
+    /// use tumble_collide::ColliderShape;
+    ///
+    /// let flat = ColliderShape::<f64>::height_field(vec![0.0; 4], 2, [1.0; 2]).unwrap();
+    /// assert!(flat.is_face(0) && !flat.is_face(1));
+    /// ```
+    pub fn is_face(&self, part: u32) -> bool {
+        match self {
+            Self::Mesh(mesh) => part < mesh.patches().count(),
+            Self::HeightField(field) => part < field.patches().count(),
             _ => true,
         }
     }

@@ -1,17 +1,18 @@
 //! Promise: what friction holds stays where it is: boxes, cans, cones, frusta and prisms of 2 cm to
 //! 2 m on slopes of up to nine tenths of the steepest, also on a box that they overhang; and boxes,
 //! cans and prisms on platforms that turn, at up to seven tenths of the rate that throws them off.
-//! What stands upright on level ground comes to rest.
+//! What stands upright on level ground, or overhangs a box, comes to rest.
 //!
 //! Why: points of a flat face that are others from step to step lose their impulses, and what rests
 //! trembles down the slope. Friction that stops what slides at the end of a substep instead of over
 //! it lets what turns with a platform creep inwards by `w^2 h/2` of its radius a second. Points
-//! that are solved one after the other around a tall body drive it to whirl.
+//! that are solved one after the other around a tall body drive it to whirl. Twisting and sliding
+//! that are stopped both at once swing up where the middle of a face is beside the centre of mass.
 
 use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
-use hecs::World;
+use hecs::{Entity, World};
 use tumble::prelude::*;
 use tumble_tests::touching::{collider, pose, prism, spawn, surfaced, velocity};
 use tumble_tests::{Draw, cases, dvec3, quat, real, settings_at_random, vec3};
@@ -54,6 +55,18 @@ impl Standing {
     }
 }
 
+/// The highest speed of a body within a second, ten seconds from now [m/s].
+fn fastest_after_a_while(world: &mut World, body: Entity, settings: Settings) -> f64 {
+    let mut simulation = Simulation::new(settings).unwrap();
+    let steps = |seconds: f64| (seconds / f64::from(settings.dt)) as u32;
+    simulation.step_many(world, steps(10.0));
+    let speeds = (0..steps(1.0)).map(|_| {
+        simulation.step(world);
+        dvec3(velocity(world, body).linear).length()
+    });
+    speeds.fold(0.0, f64::max)
+}
+
 /// What stands upright and is up to 4.5 times as high as wide comes to rest.
 #[test]
 fn what_stands_comes_to_rest() {
@@ -74,17 +87,42 @@ fn what_stands_comes_to_rest() {
         let body = RigidBody::new(shape.clone()).position(vec3(DVec3::Y * origin)).orientation(quat(turn));
         let body = spawn(&mut world, body.mass(draw.log_between(0.01, 1e3)), touched);
 
-        let mut simulation = Simulation::new(settings_at_random(&mut draw, [4.0, 16.0])).unwrap();
-        let seconds = |seconds: f64| (seconds / f64::from(simulation.settings().dt)) as u32;
-        let (until, more) = (seconds(10.0), seconds(1.0));
-        simulation.step_many(&mut world, until);
-        let mut fastest = 0.0;
-        for _ in 0..more {
-            simulation.step(&mut world);
-            fastest = f64::max(fastest, dvec3(velocity(&world, body).linear).length());
-        }
+        let fastest = fastest_after_a_while(&mut world, body, settings_at_random(&mut draw, [4.0, 16.0]));
         let slow = 1e-3 * (G * half.max(radius)).sqrt();
         assert!(fastest < slow, "case {case}, {shape:?}, on a plane {on_plane}: {fastest} m/s");
+    }
+}
+
+/// What overhangs the side of a box by up to four fifths of half its width comes to rest.
+#[test]
+fn what_overhangs_comes_to_rest() {
+    for case in 0..cases(80) {
+        let mut draw = Draw::new(906, case.into());
+        let radius = draw.log_between(0.02, 2.0);
+        let half = radius * draw.between(0.3, 2.0);
+        let sides = draw.between(4.0, 12.99) as u32;
+        let touched = match draw.between(0.0, 3.0) as u32 {
+            0 => collider(&Shape::cuboid([radius, half, radius * draw.between(0.3, 1.0)])),
+            1 => collider(&Shape::cylinder(radius, half)),
+            _ => prism(sides, radius, half),
+        };
+        let mut world = World::new();
+        let surface = Material::default().with_friction(0.6);
+        let below = Shape::cuboid([5.0 * radius; 3]);
+        let under = RigidBody::new(below.clone()).fixed().position(vec3(DVec3::Y * (-5.0 * radius)));
+        spawn(&mut world, under, surfaced(collider(&below), surface));
+        // A prism of four sides is as wide as 0.7 of its radius across them.
+        let inside = radius * draw.between(0.2, 0.9);
+        let body = RigidBody::new(Shape::cylinder(radius, half))
+            .mass(draw.log_between(0.01, 1e3))
+            .position(vec3(DVec3::new(5.0 * radius - inside, half, 0.0)))
+            .orientation(quat(DQuat::from_rotation_y(draw.between(0.0, TAU))));
+        let body = spawn(&mut world, body, surfaced(touched, surface));
+        let fastest = fastest_after_a_while(&mut world, body, settings_at_random(&mut draw, [4.0, 16.0]));
+        let slow = 1e-4 * (G * radius).sqrt();
+        assert!(fastest < slow, "case {case}, {radius} m, {inside} m on the box: {fastest} m/s");
+        let fallen = half - f64::from(pose(&world, body).position.y);
+        assert!(fallen < 0.05 * half, "case {case}: fallen by {fallen} m");
     }
 }
 

@@ -25,6 +25,7 @@ mod oblique_bounce;
 #[path = "../shared/pile/mod.rs"]
 mod pile;
 mod queries;
+mod rolling_cones;
 mod rolling_energy;
 mod rolling_on_surfaces;
 mod sensors;

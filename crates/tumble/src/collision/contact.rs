@@ -27,6 +27,9 @@ pub(crate) struct ContactRecord {
     pub(crate) points: [PointPair; MAX_MANIFOLD_POINTS / 2],
     pub(crate) normal_impulses: NormalImpulses,
     pub(crate) friction: WorldFriction,
+    /// Of [`UpdateRule::RoundOnFlat`]: how far the second body's surface is from the points that go
+    /// with it \[m\].
+    pub(crate) core_radius: Real,
     /// How the surface of the first body moves on it, less that of the second \[m/s\], world frame.
     pub(crate) surface_velocity: Vec3<Real>,
     /// How fast the points came together when the bodies did not touch yet \[m/s\].
@@ -86,6 +89,9 @@ pub(crate) enum UpdateRule {
     /// Of two balls that meet later in the step, one of which is not dynamic or that meet nothing
     /// else that is free: the normal is the one that they meet with.
     MeetingCenters,
+    /// Of a ball or a capsule, the second body, on a plane that does not turn: points of its centre
+    /// or axis are fixed to it, and its surface is before them along the normal.
+    RoundOnFlat,
 }
 
 impl UpdateRule {
@@ -112,6 +118,7 @@ impl ContactRecord {
         points: [PointPair::ZERO; MAX_MANIFOLD_POINTS / 2],
         normal_impulses: NormalImpulses::ZERO,
         friction: WorldFriction::ZERO,
+        core_radius: 0.0,
         surface_velocity: Vec3 { x: 0.0, y: 0.0, z: 0.0 },
         closing_speed: 0.0,
         total_impulse: 0.0,
@@ -140,6 +147,11 @@ impl ContactRecord {
         let record = Self::without_points(slots, part, (n, rule), (gap_share, second.margin));
         let geometry = ContactGeometry { carried: manifold.carried, count: count as Real, ..record.geometry };
         Self { features, geometry, points, ..record }
+    }
+
+    /// Has points of a core go with the second body, which is as thick around it \[m\].
+    pub(crate) fn go_with_core(&mut self, radius: Real) {
+        (self.geometry.carried, self.core_radius) = (1.0, radius);
     }
 
     /// Of a blow in a point \[m\] from the second body's centre of mass, which no contact foresaw.
@@ -178,6 +190,7 @@ impl ContactRecord {
     pub(crate) fn begin(&mut self, kind: LaneKind) {
         (self.kind, self.part, self.touched) = (kind, 0, false);
         (self.closing_speed, self.total_impulse, self.earlier_impulse) = (0.0, 0.0, 0.0);
+        self.core_radius = 0.0;
         let impulses = &mut self.normal_impulses;
         (impulses.at_points, impulses.steady) = ([0.0; MAX_MANIFOLD_POINTS], 1.0);
         (impulses.static_friction, impulses.dynamic_friction) = (0.0, 0.0);

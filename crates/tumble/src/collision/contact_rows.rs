@@ -4,7 +4,7 @@ use tumble_collide::MAX_MANIFOLD_POINTS;
 use tumble_math::lane::Vec3;
 
 use crate::collision::contact::ContactRecord;
-use crate::simd::block_lanes::vector_at;
+use crate::simd::block_lanes::{at, vector_at};
 use crate::simd::{BLOCK, Octet, Tile, gather_rows, octet};
 
 octet! {
@@ -113,6 +113,18 @@ impl<'a> ContactLanes<'a> {
             i += 1;
         }
         gather_rows(&rows)
+    }
+
+    /// How far surfaces are from the points that go with their bodies \[m\].
+    #[inline(always)]
+    pub(crate) fn core_radius<T: Tile>(&self) -> T {
+        let mut lanes = [0.0; BLOCK];
+        let mut i = 0;
+        while i < T::WIDTH {
+            lanes[i] = self.0[i].core_radius;
+            i += 1;
+        }
+        at(&lanes, 0)
     }
 
     #[inline(always)]

@@ -5,7 +5,8 @@ use std::fmt;
 
 use hecs::World;
 use rayon::prelude::*;
-use tumble_collide::{BroadPhase, ColliderShape, contact_manifolds, nearest_manifold};
+use tumble_collide::{BroadPhase, ColliderShape, Isometry, contact_manifolds, nearest_manifold};
+use tumble_math::lane::Vec3;
 
 use crate::collision::aabb_tiles::CenteredShape;
 use crate::collision::collider::{Collider, Groups};
@@ -366,7 +367,7 @@ fn collide_pair(slots: [Slot; 2], states: &[ColliderState], colliders: &Collider
         let margin = first.reach + second.reach;
         let of_second =
             Second { center: second.center, has_non_dynamic: !first.is_dynamic, margin: first.margin + second.margin };
-        let rolls = update_rule([first, second], [a.geometry(), b.geometry()]);
+        let rule = update_rule([first, second], [a.geometry(), b.geometry()]);
         contact_manifolds(
             a.geometry(),
             &first.placement,
@@ -375,9 +376,17 @@ fn collide_pair(slots: [Slot; 2], states: &[ColliderState], colliders: &Collider
             margin,
             &mut |part, manifold| {
                 if a.parts_touch(b, part) {
-                    // What lies on three points does not roll.
-                    let rule = if manifold.points().len() < 3 { rolls } else { UpdateRule::BodyFixed };
-                    found.push(ContactRecord::new(slots, part, manifold, of_second, rule), before);
+                    let rule = match rule {
+                        // What lies on three points does not roll.
+                        _ if manifold.points().len() > 2 => UpdateRule::BodyFixed,
+                        UpdateRule::RoundOnFlat if !a.geometry().is_face(part) => UpdateRule::Refined,
+                        rule => rule,
+                    };
+                    let mut contact = ContactRecord::new(slots, part, manifold, of_second, rule);
+                    if let (UpdateRule::RoundOnFlat, Some((radius, _))) = (rule, core(b.geometry())) {
+                        contact.go_with_core(radius);
+                    }
+                    found.push(contact, before);
                 }
             },
         );
@@ -386,23 +395,50 @@ fn collide_pair(slots: [Slot; 2], states: &[ColliderState], colliders: &Collider
     }
 }
 
-/// How the geometry of a contact follows its bodies.
+/// How the geometry of a contact of two shapes follows its bodies.
 fn update_rule(states: [&ColliderState; 2], shapes: [&ColliderShape<Real>; 2]) -> UpdateRule {
     if !shapes.iter().any(|geometry| geometry.is_round()) {
         return UpdateRule::BodyFixed;
     }
-    let is_centered = |which: usize| {
-        let apart = states[which].placement.position - states[which].center;
-        matches!(shapes[which], ColliderShape::Sphere { .. }) && apart.dot(apart) == 0.0
+    // Where only one is dynamic, it is the second.
+    let [ground, body] = states;
+    let turns = ground.velocity.1;
+    let Some((_, length)) = core(shapes[1]) else { return UpdateRule::Refined };
+    let is_flat = match shapes[0] {
+        ColliderShape::HalfSpace | ColliderShape::Mesh(_) | ColliderShape::HeightField(_) => true,
+        ColliderShape::Cuboid { half_extents } => {
+            let Isometry { position, orientation } = ground.placement;
+            let center = orientation.rotate_back(body.placement.position - position);
+            stays_over_face(center, *half_extents, length + ground.reach + body.reach)
+        }
+        _ => false,
     };
-    let is_flat_ground = |which: usize| {
-        let [u, v, w] = [states[which].velocity.1.x, states[which].velocity.1.y, states[which].velocity.1.z];
-        let flat =
-            matches!(shapes[which], ColliderShape::HalfSpace | ColliderShape::Mesh(_) | ColliderShape::HeightField(_));
-        flat && !states[which].is_dynamic && [u, v, w] == [0.0; 3]
-    };
-    let is_constant = (is_centered(0) && is_flat_ground(1)) || (is_centered(1) && is_flat_ground(0));
-    if is_constant { UpdateRule::Constant } else { UpdateRule::Refined }
+    let apart = body.placement.position - body.center;
+    if !is_flat || ground.is_dynamic || [turns.x, turns.y, turns.z] != [0.0; 3] {
+        UpdateRule::Refined
+    } else if length == 0.0 && apart.dot(apart) == 0.0 {
+        UpdateRule::Constant
+    } else {
+        UpdateRule::RoundOnFlat
+    }
+}
+
+/// Of a ball or a capsule its radius, and how far its core reaches from its middle \[m\].
+fn core(shape: &ColliderShape<Real>) -> Option<(Real, Real)> {
+    match *shape {
+        ColliderShape::Sphere { radius } => Some((radius, 0.0)),
+        ColliderShape::Capsule { radius, half_height } => Some((radius, half_height)),
+        _ => None,
+    }
+}
+
+/// Whether a point in the frame of a box is over a face of it, further than `reach` \[m\] from what
+/// is over the face's sides.
+fn stays_over_face(point: Vec3<Real>, half_extents: Vec3<Real>, reach: Real) -> bool {
+    let h = half_extents;
+    let beyond = [point.x.abs() - h.x, point.y.abs() - h.y, point.z.abs() - h.z];
+    let is_over = |axis: &usize| beyond[*axis] > 0.0;
+    (0..3).filter(is_over).count() == 1 && (0..3).filter(|axis| beyond[*axis] > -reach).count() == 1
 }
 
 /// Says how the surfaces of a contact move on their bodies.

@@ -11,10 +11,11 @@ use crate::solver::block_parts::{in_parts, run};
 use crate::solver::body_rows::{BodyPose, DeltaPose};
 use crate::solver::contact::constraint::{Belt, Block, Bounce, Rolling};
 use crate::solver::contact::follow_bodies::Follow;
+use crate::solver::contact::line::Line;
 use crate::solver::contact::prepare::Prepare;
 use crate::solver::contact::restitution::{ApplyRestitution, RecordApproachSpeed, SubstepMoment};
 use crate::solver::contact::round_contacts;
-use crate::solver::contact::round_contacts::RoundConstraint;
+use crate::solver::contact::round_contacts::{RoundConstraint, RoundLane};
 use crate::solver::contact::softness::Softness;
 use crate::solver::contact::solve::{Blocks, Solve, StageBodies};
 use crate::solver::contact::store_impulses::StoreImpulses;
@@ -60,6 +61,7 @@ struct LaidOut {
 struct BlockSheet<const P: usize, const C: usize> {
     blocks: Vec<Block<P, C>>,
     rolling: Vec<Rolling>,
+    lines: Vec<Line>,
     bounces: Vec<Bounce<P>>,
     belts: Vec<Belt>,
     locks: Vec<BlockLocks>,
@@ -71,6 +73,7 @@ impl<const P: usize, const C: usize> Default for BlockSheet<P, C> {
         Self {
             blocks: Vec::new(),
             rolling: Vec::new(),
+            lines: Vec::new(),
             bounces: Vec::new(),
             belts: Vec::new(),
             locks: Vec::new(),
@@ -220,6 +223,9 @@ impl ContactConstraints {
             let Self { places, all_places, .. } = self;
             places.extend(rounds.iter().map(|round| all_places[round.number() as usize]));
         }
+        let lines = if rounds.is_empty() { 0 } else { self.fours.blocks.len() };
+        self.fours.lines.clear();
+        self.fours.lines.resize(lines, Line::NONE);
     }
 
     /// Finds round contacts again after their bodies have moved.
@@ -357,14 +363,20 @@ impl<const P: usize, const C: usize> BlockSheet<P, C> {
     }
 
     /// The block of a contact, and its lane there.
-    fn lane(&mut self, place: &Place) -> (&mut Block<P, C>, Option<&mut Rolling>, usize) {
-        (&mut self.blocks[place.block], self.rolling.get_mut(place.block), place.lane)
+    fn lane(&mut self, &Place { block, lane, .. }: &Place) -> RoundLane<'_, P, C> {
+        RoundLane {
+            block: &mut self.blocks[block],
+            rolling: self.rolling.get_mut(block),
+            line: self.lines.get_mut(block),
+            lane,
+        }
     }
 
     fn blocks(&mut self, range: &Range<usize>) -> Blocks<'_, P, C> {
         Blocks {
             blocks: &mut self.blocks[range.clone()],
             rolling: self.rolling.get_mut(range.clone()).unwrap_or_default(),
+            lines: self.lines.get_mut(range.clone()).unwrap_or_default(),
             bounces: self.bounces.get_mut(range.clone()).unwrap_or_default(),
             belts: self.belts.get_mut(range.clone()).unwrap_or_default(),
             locks: self.locks.get(range.clone()).unwrap_or_default(),

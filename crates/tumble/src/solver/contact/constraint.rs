@@ -47,6 +47,8 @@ pub(crate) struct Start<const P: usize> {
     pub(crate) apart: [Lanes; 3],
     /// How much of the middle is fixed to the second body, from 0 to 1.
     pub(crate) carried: Lanes,
+    /// How far its surface is from the points that are fixed to it \[m\].
+    pub(crate) core_radius: Lanes,
     /// The number of an [`UpdateRule`](crate::collision::contact::UpdateRule).
     pub(crate) update_rule: Lanes,
     /// How far an arm may change \[m\] before the effective masses are computed again; below zero
@@ -95,6 +97,8 @@ pub(crate) struct Friction {
     pub(crate) mass: [Lanes; 3],
     /// Angular impulse about the normal that takes out a twist of one rad/s.
     pub(crate) twisting_mass: Lanes,
+    /// Twist that a unit impulse along each tangent gives [rad/(kg m)]; of several points alone.
+    pub(crate) twist_couplings: [Lanes; 2],
     /// Impulse along the tangents \[N s\].
     pub(crate) sliding: [Lanes; 2],
     /// Angular impulse about the normal [N m s].
@@ -163,6 +167,7 @@ impl<const P: usize, const C: usize> Block<P, C> {
                 radius: ZEROS,
                 mass: [ZEROS; 3],
                 twisting_mass: ZEROS,
+                twist_couplings: [ZEROS; 2],
                 sliding: [ZEROS; 2],
                 twist: ZEROS,
             },
@@ -170,6 +175,7 @@ impl<const P: usize, const C: usize> Block<P, C> {
                 arm: [ZEROS; 3],
                 apart: [ZEROS; 3],
                 carried: ZEROS,
+                core_radius: ZEROS,
                 update_rule: ZEROS,
                 slide: ZEROS,
                 steady: ZEROS,

@@ -196,6 +196,11 @@ fn of_friction<T: Tile, const P: usize, const C: usize>(
     let about_normal = n.dot(inv_inertia.of_first(n)) + n.dot(inv_inertia.of_second(n));
     let twisting_mass = T::select(zero.lt(about_normal), one / about_normal, zero);
     put_where(changed, twisting_mass, &mut block.friction.twisting_mass, lane);
+    if P > 1 {
+        let couplings = [n.dot(of_s + of_t), n.dot(of_first + of_second)];
+        put_where(changed, couplings[0], &mut block.friction.twist_couplings[0], lane);
+        put_where(changed, couplings[1], &mut block.friction.twist_couplings[1], lane);
+    }
 
     if let Some(rolling) = rolling {
         let (s_first, t_first) = (inv_inertia.of_first(s), inv_inertia.of_first(t));

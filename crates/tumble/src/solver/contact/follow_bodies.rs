@@ -31,7 +31,8 @@ impl<const P: usize, const C: usize> Kernel for Follow<'_, P, C> {
         let delta_pose = self.bodies.delta_poses(index, lane);
         let h = T::splat(self.h.into());
         let Blocks { blocks, rolling, lags, .. } = &mut self.blocks;
-        let lag = follow(&mut blocks[index], rolling.get_mut(index), (lane, h), &delta_pose, (&bodies, &inv_inertia));
+        let lag =
+            follow(&mut blocks[index], (rolling.get_mut(index), None), (lane, h), &delta_pose, (&bodies, &inv_inertia));
         put_vector(lag, &mut lags[index], lane);
     }
 }

@@ -139,7 +139,11 @@ impl<T: Tile> FrictionImpulse<T> {
         let (mut twist, mut reach) = (zero, zero);
         // One point is no patch.
         if P > 1 {
-            twist = T::select(has_patch, self.twist - twisting_mass * spin, zero);
+            // The twist that is left when nothing slides: both at once, each as if it were alone,
+            // swing up where the middle is far from below the centre of mass.
+            let [of_s, of_t]: [T; 2] = [at(&friction.twist_couplings[0], lane), at(&friction.twist_couplings[1], lane)];
+            let left = spin - (of_s * du + of_t * dv);
+            twist = T::select(has_patch, self.twist - twisting_mass * left, zero);
             reach = T::select(has_patch, twist / radius, zero);
         }
         let hold = at::<T>(&friction.limits[0], lane) * normal;

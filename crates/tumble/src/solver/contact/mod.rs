@@ -7,6 +7,7 @@ pub(crate) mod effective_mass;
 pub(crate) mod follow_bodies;
 pub(crate) mod friction;
 pub(crate) mod impact;
+pub(crate) mod line;
 pub(crate) mod prepare;
 pub(crate) mod restitution;
 pub(crate) mod round_contacts;

@@ -67,6 +67,7 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         put_vector(arm, &mut block.start.arm, lane);
         put_vector(apart, &mut block.start.apart, lane);
         put(carried, &mut block.start.carried, lane);
+        put(contacts.core_radius::<T>(), &mut block.start.core_radius, lane);
         put(update_rule, &mut block.start.update_rule, lane);
         put_vector(normal, &mut block.start.normal, lane);
         put_vector(tangents[0], &mut block.start.tangent, lane);

@@ -54,13 +54,16 @@ impl<const P: usize, const C: usize> Kernel for RecordApproachSpeed<'_, P, C> {
         if self.moment == SubstepMoment::Motion {
             let delta_pose = self.bodies.delta_poses(index, lane);
             let h = T::splat(1.0) / T::splat(self.inverse_h.into());
-            let lag =
-                follow(block, self.blocks.rolling.get_mut(index), (lane, h), &delta_pose, (&bodies, &inv_inertia));
+            let others = (self.blocks.rolling.get_mut(index), self.blocks.lines.get_mut(index));
+            let lag = follow(block, others, (lane, h), &delta_pose, (&bodies, &inv_inertia));
             // An impact that is to bounce stops what comes, and adds nothing: it would come back
             // with energy out of nothing.
             let bounce = &mut self.blocks.bounces[index];
             let bounces = T::splat(0.0).lt(at(&bounce.restitution, lane));
             put_vector(Vec3::select(bounces, Vec3::zero(), lag), &mut bounce.lag, lane);
+            if let Some(line) = self.blocks.lines.get_mut(index) {
+                line.forget_lag_where::<T>(bounces, lane);
+            }
         }
         let frame = ContactFrame::<T>::load(block, lane);
         let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&inv_inertia, frame.arms)));

@@ -12,6 +12,7 @@ use crate::solver::body_rows::DeltaPose;
 use crate::solver::contact::constraint::{Block, Rolling};
 use crate::solver::contact::contact_frame::{ContactFrame, DeltaPoses, along_normal};
 use crate::solver::contact::friction::FrictionImpulse;
+use crate::solver::contact::line::Line;
 use crate::solver::contact::prepare::MIN_WEIGHT;
 use crate::solver::contact::update_geometry::tangents;
 use crate::solver::solver_bodies::SolverRow;
@@ -82,10 +83,18 @@ pub(crate) fn find(rounds: &[RoundConstraint], delta_pose: &[DeltaPose]) -> Vec<
     found
 }
 
+/// The lane of a block that a round contact is in.
+pub(crate) struct RoundLane<'a, const P: usize, const C: usize> {
+    pub(crate) block: &'a mut Block<P, C>,
+    pub(crate) rolling: Option<&'a mut Rolling>,
+    pub(crate) line: Option<&'a mut Line>,
+    pub(crate) lane: usize,
+}
+
 /// Writes a manifold that was found over the contact in a lane of a block.
 pub(crate) fn write<const P: usize, const C: usize>(
     manifold: &Manifold<Real>,
-    (block, rolling, lane): (&mut Block<P, C>, Option<&mut Rolling>, usize),
+    RoundLane { block, rolling, line, lane }: RoundLane<'_, P, C>,
     (delta_pose, round): (&[DeltaPose], &RoundConstraint),
 ) {
     let (rows, has_non_dynamic) = (round.rows, round.contact.has_non_dynamic);
@@ -118,6 +127,12 @@ pub(crate) fn write<const P: usize, const C: usize>(
         }
     }
     let now: [Vec3<Real>; P] = std::array::from_fn(|j| places[j].map_or(old[j], at));
+    let is_known = |j: &usize| places[*j].is_some() && block.points[*j].mass[lane] > 0.0;
+    if let (Some(line), [_, _], mut known) = (line, points, (0..P).filter(is_known))
+        && let (Some(i), Some(j)) = (known.next(), known.next())
+    {
+        line.turn[lane] = Line::turn_between(normal, old[j] - old[i], now[j] - now[i]);
+    }
     // The middle is made of the points as it was when the step began: friction that jumped to
     // another would do there what it did here.
     let total: Real = round.weights[..P].iter().sum();

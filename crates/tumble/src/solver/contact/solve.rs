@@ -15,6 +15,7 @@ use crate::solver::contact::contact_frame::{
 use crate::solver::contact::effective_mass::warm_start_factor;
 use crate::solver::contact::friction::FrictionImpulse;
 use crate::solver::contact::impact::{DecoupledImpulses, record_impact};
+use crate::solver::contact::line::Line;
 use crate::solver::contact::softness::Softness;
 use crate::solver::contact::update_geometry::{follow, of_balls, of_rule};
 use crate::solver::locked_bodies::BlockLocks;
@@ -24,6 +25,7 @@ use crate::solver::locked_bodies::BlockLocks;
 pub(crate) struct Blocks<'a, const P: usize, const C: usize> {
     pub(crate) blocks: &'a mut [Block<P, C>],
     pub(crate) rolling: &'a mut [Rolling],
+    pub(crate) lines: &'a mut [Line],
     pub(crate) bounces: &'a mut [Bounce<P>],
     pub(crate) belts: &'a mut [Belt],
     pub(crate) locks: &'a [BlockLocks],
@@ -41,6 +43,7 @@ impl<const P: usize, const C: usize> ColorBlocks for Blocks<'_, P, C> {
         let of_some = |count: usize| if count == 0 { 0 } else { middle };
         let (blocks, other_blocks) = self.blocks.split_at_mut(middle);
         let (rolling, other_rolling) = self.rolling.split_at_mut(of_some(self.rolling.len()));
+        let (lines, other_lines) = self.lines.split_at_mut(of_some(self.lines.len()));
         let (bounces, other_bounces) = self.bounces.split_at_mut(of_some(self.bounces.len()));
         let (belts, other_belts) = self.belts.split_at_mut(of_some(self.belts.len()));
         let (locks, other_locks) = self.locks.split_at(of_some(self.locks.len()));
@@ -48,12 +51,13 @@ impl<const P: usize, const C: usize> ColorBlocks for Blocks<'_, P, C> {
         let others = Self {
             blocks: other_blocks,
             rolling: other_rolling,
+            lines: other_lines,
             bounces: other_bounces,
             belts: other_belts,
             locks: other_locks,
             lags: other_lags,
         };
-        (Self { blocks, rolling, bounces, belts, locks, lags }, others)
+        (Self { blocks, rolling, lines, bounces, belts, locks, lags }, others)
     }
 }
 
@@ -142,8 +146,8 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
             (None, None) => {
                 let delta_pose = self.bodies.delta_poses(index, lane);
                 let h = T::splat(1.0) / T::splat(self.inverse_h.into());
-                let rolling = self.blocks.rolling.get_mut(index);
-                follow(block, rolling, (lane, h), &delta_pose, (&bodies, &inv_inertia))
+                let others = (self.blocks.rolling.get_mut(index), self.blocks.lines.get_mut(index));
+                follow(block, others, (lane, h), &delta_pose, (&bodies, &inv_inertia))
             }
         };
         if self.softness.is_none() {
@@ -152,7 +156,12 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
         let frame = ContactFrame::<T>::load(block, lane);
         let arms = frame.arms;
 
-        let speeds = speeds(block, lane, frame.normal_parts(&bodies.relative(&inv_inertia, arms).less(lag)));
+        let parts = frame.normal_parts(&bodies.relative(&inv_inertia, arms).less(lag));
+        let parts = match self.blocks.lines.get(index) {
+            Some(line) => line.corrected(parts, lane, self.softness.is_none()),
+            None => parts,
+        };
+        let speeds = speeds(block, lane, parts);
         let (changes, sum) = self.solve_points(index, lane, speeds);
         let block = &mut self.blocks.blocks[index];
         let (linear, angular) = along_normals(block, &frame, lane, changes);

@@ -9,14 +9,15 @@ use crate::solver::contact::constraint::{Block, Rolling};
 use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, DeltaPoses, InverseInertias, along_normal};
 use crate::solver::contact::effective_mass;
 use crate::solver::contact::effective_mass::{Mobility, put_where};
+use crate::solver::contact::line::Line;
 
 /// Square of half of what an arm, or a spin, changes in a substep over itself, from which on it is
 /// another and nothing lags.
-const LAG: f64 = 1.0 / 16.0;
+pub(crate) const LAG: f64 = 1.0 / 16.0;
 
 /// Moves the contacts of a tile with their bodies. Returns by how much the relative velocity in the
-/// middle differs from its mean over the substep of `h` \[s\]: of those that are found again, and
-/// along the surface of those whose bodies turn.
+/// middle differs from its mean over the substep of `h` \[s\]: of those that roll, and along the
+/// surface of others whose bodies turn.
 ///
 /// Contacts hold over a substep, `x' = x + h v`, if velocities vanish in its middle: at the arms
 /// `(r + r')/2`, with the spin that free rotation has there, `w' - h/2 I^-1 (L x w)`. With those of
@@ -25,17 +26,19 @@ const LAG: f64 = 1.0 / 16.0;
 #[inline(always)]
 pub(crate) fn follow<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
-    rolling: Option<&mut Rolling>,
+    (rolling, line): (Option<&mut Rolling>, Option<&mut Line>),
     (lane, h): (usize, T),
     delta_pose: &DeltaPoses<T>,
     (bodies, inv_inertia): (&BodyLanes<'_, T>, &InverseInertias<T>),
 ) -> Vec3<T> {
     let before: [Vec3<T>; 2] = [vector_at(&block.arms[0], lane), vector_at(&block.arms[1], lane)];
     refresh(block, rolling, lane, delta_pose, &bodies.mobility(inv_inertia));
-    let is_found_again = at::<T>(&block.start.slide, lane).lt(T::splat(0.0));
-    let turned = delta_pose.turned * of_rule(at(&block.start.update_rule, lane), UpdateRule::BodyFixed);
+    let rule: T = at(&block.start.update_rule, lane);
+    let found = T::select(at::<T>(&block.start.slide, lane).lt(T::splat(0.0)), T::splat(1.0), T::splat(0.0));
+    let rolls = T::splat(0.0).lt(found.max(of_rule(rule, UpdateRule::RoundOnFlat)));
+    let turned = delta_pose.turned * of_rule(rule, UpdateRule::BodyFixed);
     let has_turned = T::splat(0.0).lt(turned);
-    if !T::any(is_found_again) && !T::any(has_turned) {
+    if !T::any(rolls) && !T::any(has_turned) {
         return Vec3::zero();
     }
     let (spins, gains) = bodies.free_spins(inv_inertia);
@@ -44,13 +47,17 @@ pub(crate) fn follow<T: Tile, const P: usize, const C: usize>(
     while which < 2 {
         let arm: Vec3<T> = vector_at(&block.arms[which], lane);
         // An arm that is fixed to its body turns with it.
-        let way = Vec3::select(is_found_again, arm - before[which], spins[which].cross(arm) * h);
+        let way = Vec3::select(rolls, arm - before[which], spins[which].cross(arm) * h);
         lags[which] = lag([way * T::splat(0.5), arm], spins[which], gains[which], h);
         which += 1;
     }
     let (apart, normal): (Vec3<T>, Vec3<T>) = (lags[1] - lags[0], vector_at(&block.normal, lane));
+    if let Some(line) = line {
+        let motion = (spins[1] - spins[0], (gains[1] - gains[0]) * (h * T::splat(0.5)));
+        line.find_lag(lane, (normal, vector_at(&block.tangent, lane)), motion);
+    }
     let along_surface = apart - normal * normal.dot(apart);
-    Vec3::select(is_found_again, apart, Vec3::select(has_turned, along_surface, Vec3::zero()))
+    Vec3::select(rolls, apart, Vec3::select(has_turned, along_surface, Vec3::zero()))
 }
 
 /// By how much the velocity at the end of an arm differs from that in the middle of a substep, of
@@ -89,7 +96,7 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
 
     let rule: T = at(&start.update_rule, lane);
     let between_centers = of_rule(rule, UpdateRule::LineOfCenters);
-    let body_fixed = of_rule(rule, UpdateRule::BodyFixed);
+    let body_fixed = of_rule(rule, UpdateRule::BodyFixed).max(of_rule(rule, UpdateRule::RoundOnFlat));
     let second = arm + slid * (carried - one);
     let way = frame.normal_parts(&delta_pose.relative([arm + apart, arm]));
     let arms = met_arms::<T, P>(rule, frame.normal, [second + now, second]);
@@ -199,7 +206,10 @@ fn turn<T: Tile, const P: usize, const C: usize>(
 ) {
     let one = T::splat(1.0);
     let start = &block.start;
-    let arm: Vec3<T> = vector_at(&start.arm, lane);
+    let (normal, tangent): (Vec3<T>, Vec3<T>) = (vector_at(&start.normal, lane), vector_at(&start.tangent, lane));
+    // What is fixed to a round body is its core.
+    let core_radius: T = at(&start.core_radius, lane);
+    let arm: Vec3<T> = vector_at(&start.arm, lane) + normal * core_radius;
     let first_arm = arm + vector_at(&start.apart, lane);
     let turned_arms = [delta_pose.rotation[0].rotate(first_arm), delta_pose.rotation[1].rotate(arm)];
     let second = turned_arms[1] * carried + (turned_arms[0] - now) * (one - carried);
@@ -210,9 +220,9 @@ fn turn<T: Tile, const P: usize, const C: usize>(
     let reference = select(delta_pose.rotation[0], delta_pose.rotation[1]);
     let material = select(delta_pose.rotation[1], delta_pose.rotation[0]);
     let sign = T::select(first_is_reference, one, -one);
-    let (normal, tangent): (Vec3<T>, Vec3<T>) = (vector_at(&start.normal, lane), vector_at(&start.tangent, lane));
     let (s, t) = (material.rotate(tangent), material.rotate(normal.cross(tangent)));
     let normal = reference.rotate(normal);
+    let second = second - normal * core_radius;
     let tangents = [reference.rotate(tangent), normal.cross(reference.rotate(tangent))];
     put_vector_where(turned, normal, &mut block.normal, lane);
     put_vector_where(turned, tangents[0], &mut block.tangent, lane);
