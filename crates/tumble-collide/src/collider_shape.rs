@@ -215,16 +215,17 @@ impl<R: Scalar> ColliderShape<R> {
         }
     }
 
-    /// Whether the contacts of a part of it are with one plane: of a surface of triangles a part is
-    /// a flat piece, or a side or corner; other shapes are taken to have faces alone.
+    /// Whether a part that [`contact_manifolds`](crate::contact_manifolds) names is a flat piece of
+    /// a surface, and not a side or corner of its triangles. Other shapes have no such parts, and
+    /// all of theirs count as flat.
     ///
     /// ```
     /// use tumble_collide::ColliderShape;
     ///
     /// let flat = ColliderShape::<f64>::height_field(vec![0.0; 4], 2, [1.0; 2]).unwrap();
-    /// assert!(flat.is_face(0) && !flat.is_face(1));
+    /// assert!(flat.is_flat_part(0) && !flat.is_flat_part(1));
     /// ```
-    pub fn is_face(&self, part: u32) -> bool {
+    pub fn is_flat_part(&self, part: u32) -> bool {
         match self {
             Self::Mesh(mesh) => part < mesh.patches().count(),
             Self::HeightField(field) => part < field.patches().count(),

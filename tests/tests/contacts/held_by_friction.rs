@@ -93,30 +93,46 @@ fn what_stands_comes_to_rest() {
     }
 }
 
-/// What overhangs the side of a box by up to four fifths of half its width comes to rest.
+/// What overhangs the side of a box by a fifth to four fifths of half its width, prisms by half of
+/// it, comes to rest.
 #[test]
 fn what_overhangs_comes_to_rest() {
     for case in 0..cases(80) {
         let mut draw = Draw::new(906, case.into());
         let radius = draw.log_between(0.02, 2.0);
         let half = radius * draw.between(0.3, 2.0);
-        let sides = draw.between(4.0, 12.99) as u32;
-        let touched = match draw.between(0.0, 3.0) as u32 {
-            0 => collider(&Shape::cuboid([radius, half, radius * draw.between(0.3, 1.0)])),
-            1 => collider(&Shape::cylinder(radius, half)),
-            _ => prism(sides, radius, half),
+        let turn = DQuat::from_rotation_y(draw.between(0.0, TAU));
+        let rim = |sides: u32| {
+            (0..sides).map(move |k| DQuat::from_rotation_y(f64::from(k) * TAU / f64::from(sides)) * DVec3::X)
+        };
+        // Of the outline over the middle, along the way that it overhangs.
+        let reach = |corners: &mut dyn Iterator<Item = DVec3>| corners.map(|at| (turn * at).x).fold(0.0, f64::max);
+        let (shape, touched, width, least) = match draw.between(0.0, 3.0) as u32 {
+            0 => {
+                let depth = draw.between(0.3, 1.0);
+                let shape = Shape::cuboid([radius, half, radius * depth]);
+                let mut corners = [-1.0, 1.0].into_iter().map(|z| DVec3::new(1.0, 0.0, z * depth));
+                let mut all = corners.clone().chain(corners.by_ref().map(|corner| -corner));
+                (shape.clone(), collider(&shape), reach(&mut all), 0.2)
+            }
+            1 => (Shape::cylinder(radius, half), collider(&Shape::cylinder(radius, half)), 1.0, 0.2),
+            _ => {
+                let sides = draw.between(5.0, 12.99) as u32;
+                // Of six points and more four are kept, which may not reach around what is nearer.
+                (Shape::cylinder(radius, half), prism(sides, radius, half), reach(&mut rim(sides)), 0.45)
+            }
         };
         let mut world = World::new();
         let surface = Material::default().with_friction(0.6);
         let below = Shape::cuboid([5.0 * radius; 3]);
         let under = RigidBody::new(below.clone()).fixed().position(vec3(DVec3::Y * (-5.0 * radius)));
         spawn(&mut world, under, surfaced(collider(&below), surface));
-        // A prism of four sides is as wide as 0.7 of its radius across them.
-        let inside = radius * draw.between(0.2, 0.9);
-        let body = RigidBody::new(Shape::cylinder(radius, half))
+        // The centre of mass is so far inside the edge.
+        let inside = radius * width * draw.between(least, 0.8);
+        let body = RigidBody::new(shape)
             .mass(draw.log_between(0.01, 1e3))
             .position(vec3(DVec3::new(5.0 * radius - inside, half, 0.0)))
-            .orientation(quat(DQuat::from_rotation_y(draw.between(0.0, TAU))));
+            .orientation(quat(turn));
         let body = spawn(&mut world, body, surfaced(touched, surface));
         let fastest = fastest_after_a_while(&mut world, body, settings_at_random(&mut draw, [4.0, 16.0]));
         let slow = 1e-4 * (G * radius).sqrt();

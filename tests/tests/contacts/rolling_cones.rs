@@ -2,7 +2,7 @@
 //! keep their energy for 20 s and go around the point where their sides meet, which stays.
 //!
 //! Why: they touch along a line that turns. Contacts that stop the velocity of its ends at the end
-//! of a substep, not over it, make a cone of 5 cm go three times as fast within half a minute.
+//! of a substep, not over it, give a cone of 5 cm three times its energy within half a minute.
 //! Friction that stops twisting and sliding at once, each as if it were alone, has them twist.
 
 use std::f64::consts::{FRAC_PI_2, TAU};

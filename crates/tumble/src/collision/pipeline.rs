@@ -379,7 +379,7 @@ fn collide_pair(slots: [Slot; 2], states: &[ColliderState], colliders: &Collider
                     let rule = match rule {
                         // What lies on three points does not roll.
                         _ if manifold.points().len() > 2 => UpdateRule::BodyFixed,
-                        UpdateRule::RoundOnFlat if !a.geometry().is_face(part) => UpdateRule::Refined,
+                        UpdateRule::RoundOnFlat if !a.geometry().is_flat_part(part) => UpdateRule::Refined,
                         rule => rule,
                     };
                     let mut contact = ContactRecord::new(slots, part, manifold, of_second, rule);
@@ -404,19 +404,21 @@ fn update_rule(states: [&ColliderState; 2], shapes: [&ColliderShape<Real>; 2]) -
     let [ground, body] = states;
     let turns = ground.velocity.1;
     let Some((_, length)) = core(shapes[1]) else { return UpdateRule::Refined };
+    let apart = body.placement.position - body.center;
+    let off_center = apart.dot(apart).sqrt();
     let is_flat = match shapes[0] {
         ColliderShape::HalfSpace | ColliderShape::Mesh(_) | ColliderShape::HeightField(_) => true,
         ColliderShape::Cuboid { half_extents } => {
             let Isometry { position, orientation } = ground.placement;
             let center = orientation.rotate_back(body.placement.position - position);
-            stays_over_face(center, *half_extents, length + ground.reach + body.reach)
+            // What turns takes its middle around its centre of mass.
+            stays_over_face(center, *half_extents, length + 2.0 * off_center + ground.reach + body.reach)
         }
         _ => false,
     };
-    let apart = body.placement.position - body.center;
     if !is_flat || ground.is_dynamic || [turns.x, turns.y, turns.z] != [0.0; 3] {
         UpdateRule::Refined
-    } else if length == 0.0 && apart.dot(apart) == 0.0 {
+    } else if length == 0.0 && off_center == 0.0 {
         UpdateRule::Constant
     } else {
         UpdateRule::RoundOnFlat

@@ -219,19 +219,15 @@ impl ForceLaws {
         self.added.is_empty()
     }
 
-    /// Whether any were added.
-    pub(crate) fn are_added(&self) -> bool {
-        !self.added.is_empty()
-    }
-
-    /// The types of the force components of a body by itself.
+    /// The types of the force components, those between bodies included.
     pub(crate) fn component_types() -> impl Iterator<Item = TypeId> {
-        KNOWN.iter().filter_map(|source| source.component())
+        let between_bodies = [TypeId::of::<Spring>(), TypeId::of::<GravityMass>()];
+        KNOWN.iter().filter_map(|source| source.component()).chain(between_bodies)
     }
 
     /// Whether a law may act on the bodies of an archetype.
     pub(crate) fn may_act_on(&self, archetype: &Archetype) -> bool {
-        self.are_added() || may_have_forces(archetype)
+        !self.is_empty() || may_have_forces(archetype)
     }
 
     /// The laws, with their indices: the index of an account is that of the law.
@@ -266,10 +262,7 @@ impl ForceLaws {
 /// one that has none.
 pub(crate) fn may_have_forces(archetype: &Archetype) -> bool {
     static FORCES: OnceLock<TypeMarks> = OnceLock::new();
-    let forces = FORCES.get_or_init(|| {
-        let between_bodies = [TypeId::of::<Spring>(), TypeId::of::<GravityMass>()];
-        TypeMarks::of(ForceLaws::component_types().chain(between_bodies).map(|id| (id, 1)))
-    });
+    let forces = FORCES.get_or_init(|| TypeMarks::of(ForceLaws::component_types().map(|id| (id, 1))));
     forces.on(archetype) != 0
 }
 

@@ -223,9 +223,6 @@ impl ContactConstraints {
             let Self { places, all_places, .. } = self;
             places.extend(rounds.iter().map(|round| all_places[round.number() as usize]));
         }
-        let lines = if rounds.is_empty() { 0 } else { self.fours.blocks.len() };
-        self.fours.lines.clear();
-        self.fours.lines.resize(lines, Line::NONE);
     }
 
     /// Finds round contacts again after their bodies have moved.
@@ -252,6 +249,13 @@ impl ContactConstraints {
     /// Where a contact is laid out.
     fn place(&self, contact: &DirectContact) -> Place {
         self.all_places[contact.number as usize]
+    }
+
+    /// Makes room for the lines of round contacts with several points, where there are such.
+    pub(crate) fn make_room_for_lines(&mut self) {
+        let are_there = self.places.iter().any(|place| matches!(place.sheet, Sheet::Fours));
+        self.fours.lines.clear();
+        self.fours.lines.resize(if are_there { self.fours.blocks.len() } else { 0 }, Line::NONE);
     }
 
     /// Makes room for what [`SolverStage::Follow`] finds.

@@ -223,6 +223,7 @@ impl SolverGroup {
         direct.lay_out(all, bodies, extras);
         constraints.lay_out(all, contacts, bodies, extras);
         constraints.locate(all.len(), rounds);
+        constraints.make_room_for_lines();
         joints.begin(bodies, contact_works);
         bodies.with_poses(|bodies, poses| constraints.run(SolverStage::Prepare(all, poses), bodies));
         if let Some(mechanisms) = &mut mechanisms {

@@ -25,7 +25,7 @@ const CONTACT: f64 = 0.6;
 /// Added for a pair of shapes without lanes of their own.
 const PAIR_OF_OTHERS: f64 = 3.0;
 
-/// The mark of what is evaluated for a body by itself.
+/// The mark of force components.
 const LAW: u8 = 1;
 /// The mark of what couples bodies.
 const COUPLES: u8 = 2;
@@ -49,7 +49,7 @@ impl Population {
         let mut this = Self::default();
         for archetype in world.archetypes().filter(|archetype| !archetype.is_empty()) {
             let (count, marks) = (f64::from(archetype.len()), marks().on(archetype));
-            let entities = if laws.are_added() || marks & LAW != 0 { &mut this.under_laws } else { &mut this.lawless };
+            let entities = if !laws.is_empty() || marks & LAW != 0 { &mut this.under_laws } else { &mut this.lawless };
             *entities += count;
             this.has_kinematic |= !archetype.has::<Momentum>() && archetype.has::<Velocity>();
             if marks & COUPLES == 0 {
@@ -98,11 +98,15 @@ impl Population {
 fn marks() -> &'static TypeMarks {
     static MARKS: OnceLock<TypeMarks> = OnceLock::new();
     MARKS.get_or_init(|| {
-        let between = [TypeId::of::<Spring>(), TypeId::of::<GravityMass>()];
-        let others = [TypeId::of::<Collider>(), TypeId::of::<Joint>(), TypeId::of::<LockedAxes>()];
+        let couple = [
+            TypeId::of::<Spring>(),
+            TypeId::of::<GravityMass>(),
+            TypeId::of::<Collider>(),
+            TypeId::of::<Joint>(),
+            TypeId::of::<LockedAxes>(),
+        ];
         let laws = ForceLaws::component_types().map(|id| (id, LAW));
-        let between = between.map(|id| (id, LAW | COUPLES));
-        TypeMarks::of(laws.chain(between).chain(others.map(|id| (id, COUPLES))))
+        TypeMarks::of(laws.chain(couple.map(|id| (id, COUPLES))))
     })
 }
 

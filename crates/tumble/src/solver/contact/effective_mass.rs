@@ -180,11 +180,11 @@ fn of_friction<T: Tile, const P: usize, const C: usize>(
     let ([s, t], [first, second]) = (frame.tangents, frame.arms);
     let (s_first, t_first) = (first.cross(s), first.cross(t));
     let (s_second, t_second) = (second.cross(s), second.cross(t));
-    let (of_s, of_t) = (inv_inertia.of_first(s_first), inv_inertia.of_second(s_second));
-    let ss = mobility.along(s) + s_first.dot(of_s) + s_second.dot(of_t);
-    let st = mobility.across(s, t) + t_first.dot(of_s) + t_second.dot(of_t);
-    let (of_first, of_second) = (inv_inertia.of_first(t_first), inv_inertia.of_second(t_second));
-    let tt = mobility.along(t) + t_first.dot(of_first) + t_second.dot(of_second);
+    let (s_on_first, s_on_second) = (inv_inertia.of_first(s_first), inv_inertia.of_second(s_second));
+    let ss = mobility.along(s) + s_first.dot(s_on_first) + s_second.dot(s_on_second);
+    let st = mobility.across(s, t) + t_first.dot(s_on_first) + t_second.dot(s_on_second);
+    let (t_on_first, t_on_second) = (inv_inertia.of_first(t_first), inv_inertia.of_second(t_second));
+    let tt = mobility.along(t) + t_first.dot(t_on_first) + t_second.dot(t_on_second);
     let m = &block.friction.mass;
     let before: [T; 3] = [at(&m[0], lane), at(&m[1], lane), at(&m[2], lane)];
     let mass = mobility.inverse([ss, st, tt]);
@@ -197,7 +197,7 @@ fn of_friction<T: Tile, const P: usize, const C: usize>(
     let twisting_mass = T::select(zero.lt(about_normal), one / about_normal, zero);
     put_where(changed, twisting_mass, &mut block.friction.twisting_mass, lane);
     if P > 1 {
-        let couplings = [n.dot(of_s + of_t), n.dot(of_first + of_second)];
+        let couplings = [n.dot(s_on_first + s_on_second), n.dot(t_on_first + t_on_second)];
         put_where(changed, couplings[0], &mut block.friction.twist_couplings[0], lane);
         put_where(changed, couplings[1], &mut block.friction.twist_couplings[1], lane);
     }

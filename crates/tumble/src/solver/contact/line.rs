@@ -24,7 +24,8 @@ impl Line {
     /// is another.
     pub(crate) fn turn_between<T: Tile>(normal: Vec3<T>, before: Vec3<T>, now: Vec3<T>) -> T {
         let (turn, square) = (normal.dot(before.cross(now)), now.dot(now));
-        let is_same = (turn * turn).lt(square * square * T::splat(LAG));
+        let half = turn * T::splat(0.5);
+        let is_same = (half * half).lt(square * square * T::splat(LAG));
         T::select(is_same, turn / square, T::splat(0.0))
     }
 

@@ -115,23 +115,15 @@ pub(crate) fn write<const P: usize, const C: usize>(
         let offset = &block.points[j].offset;
         before.arms[1] + before.tangents[0] * offset[0][lane] + before.tangents[1] * offset[1][lane]
     });
-    // Which place each point has: that of the nearest that there was, or a free one.
-    let mut places = [None; P];
-    for k in 0..points.len() {
-        let apart = |j: usize| (at(k) - old[j]).dot(at(k) - old[j]);
-        let is_there = |j: &usize| places[*j].is_none() && block.points[*j].mass[lane] > 0.0;
-        let nearest = (0..P).filter(is_there).min_by(|i, j| apart(*i).total_cmp(&apart(*j)));
-        let place = nearest.or_else(|| (0..P).find(|j| places[*j].is_none()));
-        if let Some(place) = place {
-            places[place] = Some(k);
-        }
-    }
+    let is_there = std::array::from_fn(|j| block.points[j].mass[lane] > 0.0);
+    let places = places((0..points.len()).map(at), (&old, is_there));
     let now: [Vec3<Real>; P] = std::array::from_fn(|j| places[j].map_or(old[j], at));
-    let is_known = |j: &usize| places[*j].is_some() && block.points[*j].mass[lane] > 0.0;
-    if let (Some(line), [_, _], mut known) = (line, points, (0..P).filter(is_known))
-        && let (Some(i), Some(j)) = (known.next(), known.next())
-    {
-        line.turn[lane] = Line::turn_between(normal, old[j] - old[i], now[j] - now[i]);
+    if let (Some(line), [_, _]) = (line, points) {
+        let is_known = |j: &usize| places[*j].is_some() && is_there[*j];
+        let mut known = (0..P).filter(is_known).map(|j| (old[j], now[j]));
+        if let (Some(first), Some(second)) = (known.next(), known.next()) {
+            line.turn[lane] = Line::turn_between(normal, second.0 - first.0, second.1 - first.1);
+        }
     }
     // The middle is made of the points as it was when the step began: friction that jumped to
     // another would do there what it did here.
@@ -161,4 +153,23 @@ pub(crate) fn write<const P: usize, const C: usize>(
         let mass = &mut block.points[j].mass[lane];
         *mass = if place.is_some() && *mass == 0.0 { 1.0 } else { *mass };
     }
+}
+
+/// By place the number of the point that is there now: of those that were there before the
+/// nearest, or else a free place.
+fn places<const P: usize>(
+    points: impl Iterator<Item = Vec3<Real>>,
+    (old, is_there): (&[Vec3<Real>; P], [bool; P]),
+) -> [Option<usize>; P] {
+    let mut places = [None; P];
+    for (number, point) in points.enumerate() {
+        let apart = |j: usize| (point - old[j]).dot(point - old[j]);
+        let is_free = |j: &usize| places[*j].is_none() && is_there[*j];
+        let nearest = (0..P).filter(is_free).min_by(|i, j| apart(*i).total_cmp(&apart(*j)));
+        let place = nearest.or_else(|| (0..P).find(|j| places[*j].is_none()));
+        if let Some(place) = place {
+            places[place] = Some(number);
+        }
+    }
+    places
 }

@@ -157,10 +157,8 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
         let arms = frame.arms;
 
         let parts = frame.normal_parts(&bodies.relative(&inv_inertia, arms).less(lag));
-        let parts = match self.blocks.lines.get(index) {
-            Some(line) => line.corrected(parts, lane, self.softness.is_none()),
-            None => parts,
-        };
+        let line = self.blocks.lines.get(index);
+        let parts = line.map_or(parts, |line| line.corrected(parts, lane, self.softness.is_none()));
         let speeds = speeds(block, lane, parts);
         let (changes, sum) = self.solve_points(index, lane, speeds);
         let block = &mut self.blocks.blocks[index];

@@ -96,7 +96,7 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
 
     let rule: T = at(&start.update_rule, lane);
     let between_centers = of_rule(rule, UpdateRule::LineOfCenters);
-    let body_fixed = of_rule(rule, UpdateRule::BodyFixed).max(of_rule(rule, UpdateRule::RoundOnFlat));
+    let turns_with_body = of_rule(rule, UpdateRule::BodyFixed).max(of_rule(rule, UpdateRule::RoundOnFlat));
     let second = arm + slid * (carried - one);
     let way = frame.normal_parts(&delta_pose.relative([arm + apart, arm]));
     let arms = met_arms::<T, P>(rule, frame.normal, [second + now, second]);
@@ -129,7 +129,7 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
     let of_locks = if mobility.locks.are_there() { one } else { zero };
     let changed = T::select(zero.lt(of_balls(rule)), of_locks, slide.max(delta_pose.turned));
     if T::any(zero.lt(changed)) {
-        turn(block, lane, delta_pose, (carried, slid, now), delta_pose.turned * body_fixed);
+        turn(block, lane, delta_pose, (carried, slid, now), delta_pose.turned * turns_with_body);
         let steady = effective_mass::compute(block, rolling, lane, mobility, changed);
         put(steady, &mut block.start.steady, lane);
     } else {
