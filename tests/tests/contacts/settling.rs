@@ -9,7 +9,7 @@ use tumble::math::Real;
 use tumble::prelude::*;
 use tumble_tests::run;
 
-const PILES: u64 = 16;
+const PILES: u64 = 32;
 
 /// Twenty seconds after the fall of sixty random bodies, with damping, the fastest of a pile moves
 /// at less than a sixteenth of what gravity adds in one substep, in half of all piles: balls roll
