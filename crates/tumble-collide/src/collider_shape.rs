@@ -220,9 +220,12 @@ impl<R: Scalar> ColliderShape<R> {
     /// all of theirs count as flat.
     ///
     /// ```
-    /// use tumble_collide::ColliderShape;
+    /// use std::sync::Arc;
+    /// use tumble_collide::{ColliderShape, HeightField};
     ///
-    /// let flat = ColliderShape::<f64>::height_field(vec![0.0; 4], 2, [1.0; 2]).unwrap();
+    /// // Two triangles in one plane, and what is beside them.
+    /// let field = HeightField::new([0.0; 4], 2, [1.0; 2]).unwrap();
+    /// let flat = ColliderShape::<f64>::HeightField(Arc::new(field));
     /// assert!(flat.is_flat_part(0) && !flat.is_flat_part(1));
     /// ```
     pub fn is_flat_part(&self, part: u32) -> bool {

@@ -67,3 +67,19 @@ impl Line {
         if is_end { [along, about - lag, about_second - second] } else { [along, about + lag, about_second + second] }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::Real;
+
+    #[test]
+    fn a_line_turns_about_the_normal_counter_clockwise() {
+        let normal = Vec3::new(0.0, 0.0, 1.0);
+        let turned = |angle: Real| Vec3::new(3.0 * angle.cos(), 3.0 * angle.sin(), 0.0);
+        let turn = |angle: Real| Line::turn_between(normal, turned(0.2), turned(0.2 + angle));
+        assert!((turn(0.1) - 0.1).abs() < 1e-3 && (turn(-0.1) + 0.1).abs() < 1e-3);
+        // Another line, which shares nothing with the one before.
+        assert_eq!(turn(1.0), 0.0);
+    }
+}
