@@ -14,7 +14,7 @@ pub use comparison::{
 };
 pub use draw::{Draw, cases};
 pub use free_body::{Elliptic, FreeBody, Sample, Translation};
-pub use simulation::{hash, run, settings_at_random, simulation, weightless};
+pub use simulation::{Rise, hash, run, settings_at_random, simulation, weightless};
 pub use snapshot_bytes::forged;
 
 /// The snippets of the documents, run as doctests.

@@ -32,6 +32,30 @@ pub fn run(simulation: &mut Simulation, world: &mut World, steps: u32) {
     }
 }
 
+/// How far an energy has risen above the least that it had been \[J\].
+pub struct Rise {
+    least: f64,
+    most: f64,
+}
+
+impl Rise {
+    /// From this energy on.
+    pub fn from(energy: f64) -> Self {
+        Self { least: energy, most: 0.0 }
+    }
+
+    /// The energy is this now.
+    pub fn note(&mut self, energy: f64) {
+        self.most = self.most.max(energy - self.least);
+        self.least = self.least.min(energy);
+    }
+
+    /// The highest rise.
+    pub fn most(&self) -> f64 {
+        self.most
+    }
+}
+
 /// The hash of the state of all bodies there are now.
 pub fn hash(world: &World) -> u64 {
     state_hash(world, &BodyOrder::of(world))

@@ -6,6 +6,7 @@ use tumble::prelude::*;
 use tumble::{Collider, Material};
 
 use crate::comparison::{real, vec3};
+use crate::draw::Draw;
 
 /// A body with a collider.
 pub fn spawn(world: &mut World, body: RigidBody, collider: Collider) -> Entity {
@@ -19,6 +20,23 @@ pub fn ground(world: &mut World, material: Material, orientation: Quat) -> Entit
         RigidBody::new(Shape::Point).fixed().orientation(orientation),
         surfaced(Collider::half_space(), material),
     )
+}
+
+/// A fixed cube with its top at height zero below the origin, by half its edges \[m\].
+pub fn cube_below(world: &mut World, half: f64, material: Material) {
+    let body = RigidBody::new(Shape::Point).fixed().position(vec3([0.0, -half, 0.0].into()));
+    spawn(world, body, surfaced(collider(&cube(half)), material));
+}
+
+/// Infinite ground or, as often, such a cube; returns whether it is the ground.
+pub fn ground_or_cube(draw: &mut Draw, world: &mut World, half: f64, material: Material) -> bool {
+    let is_ground = draw.often(0.5);
+    if is_ground {
+        ground(world, material, Quat::IDENTITY);
+    } else {
+        cube_below(world, half, material);
+    }
+    is_ground
 }
 
 /// A collider of a material.
@@ -61,6 +79,12 @@ pub fn prism(sides: u32, radius: f64, half: f64) -> Collider {
         glam::DVec3::new(radius * cos, if i.is_multiple_of(2) { half } else { -half }, radius * sin)
     };
     Collider::convex_hull((0..2 * sides).map(corner)).expect("a prism with three sides or more")
+}
+
+/// Height of the centre of mass of a frustum over its base, as a part of its height, by the radius
+/// of its top over that of the base.
+pub fn frustum_center(top: f64) -> f64 {
+    (1.0 + 2.0 * top + 3.0 * top * top) / (4.0 * (1.0 + top + top * top))
 }
 
 /// With half the length of its edges \[m\].

@@ -1,6 +1,6 @@
 //! Bad input ends with exit code 2, one line that names file, body and field, and no file written.
 //!
-//! A user with a scene of a thousand bodies must be told which number is wrong. It would fail if a
+//! A user with a scene of a thousand bodies must learn which number is wrong. It would fail if a
 //! check were missing, came after the first step, or lost the place on its way to the message.
 
 use crate::support::{Place, stderr};

@@ -24,7 +24,7 @@ const RIM: [[f64; 2]; 8] = {
 /// stands still.
 const LOWER: f64 = 1e-4;
 /// And by more than this part of how far it is pressed in, of four places and of eight, half of
-/// `1 - cos(pi/n)`: so far a load lowers it that tilts a cap until its other side parts.
+/// `1 - cos(pi/n)`: how far a load lowers it that tilts a cap until its other side parts.
 const TILTED: [f64; 2] = [0.147, 0.039];
 /// A cap is stood on when its normal is within about 25 degrees; further over it is the rim that
 /// rolls.

@@ -152,7 +152,7 @@ mod tests {
     /// Points on a ball are the worst there is: all are corners of their hull. What is gone through
     /// grows as the root of their number.
     #[test]
-    fn of_many_points_few_are_looked_at() {
+    fn of_many_points_few_are_tested() {
         for count in [1000, 10_000, 100_000_u32] {
             // Evenly spread, by the golden angle.
             let vectors: Vec<Vector> = (0..count)

@@ -197,7 +197,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(10_000))]
 
     #[test]
-    fn any_pair_is_settled_with_so_much_work((first, second, at) in pair()) {
+    fn any_pair_takes_bounded_work((first, second, at) in pair()) {
         check(&first, &second, &at)?;
     }
 }

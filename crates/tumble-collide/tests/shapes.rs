@@ -116,7 +116,7 @@ fn least<R: Scalar>(manifold: &Manifold<R>) -> Option<f64> {
     manifold.points().iter().map(|point| point.separation.into()).reduce(f64::min)
 }
 
-/// Two boxes have tests of their own: how far apart they are is only told near each other.
+/// Two boxes have tests of their own: how far apart they are is only computed near each other.
 fn are_boxes(a: &ColliderShape<f64>, b: &ColliderShape<f64>) -> bool {
     matches!((a, b), (ColliderShape::Cuboid { .. }, ColliderShape::Cuboid { .. }))
 }

@@ -43,7 +43,7 @@ pub(crate) fn nearest_moments(moments: DVec3) -> Option<(DVec3, f64)> {
 }
 
 /// What is reported about a repair.
-pub(crate) fn told(from: DVec3, to: DVec3, away: f64) -> String {
+pub(crate) fn repair_notice(from: DVec3, to: DVec3, away: f64) -> String {
     let [a, b, c] = from.to_array();
     let [x, y, z] = to.to_array();
     format!(

@@ -40,7 +40,7 @@ impl PrincipalInertia {
     /// From eigenvalues and orthonormal right-handed eigenvectors (columns) in any order.
     ///
     /// For each order of the columns the signs that make the diagonal positive give the largest
-    /// trace. The best of the six is right-handed without being told so: two cubes are never turned
+    /// trace. The best of the six is right-handed by itself: two cubes are never turned
     /// by more than 62.8 degrees against each other (J. K. Mackenzie, Biometrika 45, 1958), so a
     /// right-handed frame reaches a trace of 1
     /// + 2 cos(62.8 deg) = 1.9, and a left-handed one, minus a rotation, none above 1.

@@ -179,7 +179,7 @@ fn an_audit_shows_colliders_with_all_defaults() {
     assert_eq!(json["bodies"][0]["collider"]["static_friction"], 0.5);
     assert_eq!(json["bodies"][0]["mass"], serde_json::Value::Null);
     assert_eq!(json["bodies"][1]["collider"]["friction_combine"], "minimum");
-    assert!(json["bodies"][1]["collider"].get("groups").is_none(), "what is in all groups is not told of");
+    assert!(json["bodies"][1]["collider"].get("groups").is_none(), "what is in all groups is not listed");
     let text = r#"{ "bodies": [ { "shape": { "sphere": { "radius": 1 } }, "mass": 1, "collider": { "groups": [31, 0], "touches": [] } } ] }"#;
     let grouped = serde_json::to_value(Audit::from_json(text, "grouped.json").unwrap()).unwrap();
     let collider = &grouped["bodies"][0]["collider"];

@@ -339,7 +339,7 @@ fn the_audit_shows_who_follows_whom() {
 }
 
 #[test]
-fn what_is_wrong_with_a_mimic_is_told() {
+fn what_is_wrong_with_a_mimic_is_reported() {
     let of = |a: &str, b: &str| {
         let parts = [PALM.to_owned(), link("a"), link("b")].map(|part| part.replace('\n', ""));
         let joints = [joint("a", "continuous", "world", a), joint("b", "prismatic", "world", b)];

@@ -96,7 +96,7 @@ fn a_ball_rolls_down_heights_as_down_a_plane() {
 
 /// A floor of heights that goes up at two metres a second lifts what lies on it.
 #[test]
-fn heights_move_as_they_are_told() {
+fn heights_move_as_given() {
     let text = r#"{ "bodies": [
         { "kinematic": true, "linear_velocity": [0, 2, 0], "shape": { "height_field": { "heights": [[0, 0], [0, 0]], "spacing": [8, 8] } },
           "collider": {} },

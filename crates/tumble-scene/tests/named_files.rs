@@ -82,7 +82,7 @@ fn links_lead_no_farther() {
 /// What was read is reported, for a program that is not to write over it; a file in twenty sizes
 /// was read once.
 #[test]
-fn files_are_told_and_read_once() {
+fn files_are_named_and_read_once() {
     let (_place, root) = place();
     let files: Vec<&str> = ["part.obj", "./part.obj", "below/part.obj"].into_iter().cycle().take(60).collect();
     let path = scene(&root, &files);

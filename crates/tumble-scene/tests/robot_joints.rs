@@ -375,7 +375,7 @@ fn the_root_is_free_unless_it_is_the_world_or_weighs_nothing() {
 }
 
 #[test]
-fn what_of_joints_is_not_simulated_is_told() {
+fn what_of_joints_is_not_simulated_is_reported() {
     let limited =
         |lower: f64, upper: f64| format!(r#"<limit lower="{lower}" upper="{upper}" effort="1" velocity="1"/>"#);
     let parts: Vec<String> = ["base", "a", "b", "c", "d"].map(|name| link(name, DVec3::ZERO)).into();
@@ -402,7 +402,7 @@ fn what_of_joints_is_not_simulated_is_told() {
 }
 
 #[test]
-fn mistakes_of_joints_are_told() {
+fn mistakes_of_joints_are_reported() {
     for (kind, inside, problem) in [
         (
             "revolute",

@@ -171,7 +171,7 @@ fn links_are_where_their_joints_put_them() {
 
 #[test]
 #[allow(clippy::too_many_lines, reason = "a table of cases")]
-fn every_mistake_of_a_link_is_told() {
+fn every_mistake_of_a_link_is_reported() {
     let cases: [(&str, &[&str]); 9] = [
         ("", &["inertial.mass: is missing, at line 3", "inertial.inertia: is missing, at line 3"]),
         (
@@ -246,7 +246,7 @@ fn every_mistake_of_a_link_is_told() {
 }
 
 #[test]
-fn trees_that_are_none_are_told() {
+fn trees_that_are_none_are_reported() {
     let of = |parts: &[String]| {
         let audit = audit(&robot(&parts.join("\n")));
         audit.bodies.into_iter().flat_map(|body| body.problems).collect::<Vec<_>>()
@@ -284,7 +284,7 @@ fn trees_that_are_none_are_told() {
 }
 
 #[test]
-fn what_is_no_body_and_what_is_not_read_is_told() {
+fn what_is_no_body_and_what_is_not_read_is_reported() {
     let appearance = r#"<link name="a"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
         <collision><origin xyz="0 0 1"/><geometry><cylinder radius="0.1" length="2"/></geometry></collision>
         <collision><geometry><mesh filename="package://r/hand.dae"/></geometry></collision>

@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn builds_of_one_version_are_told_apart_by_their_arithmetic() {
+    fn builds_of_one_version_differ_by_their_arithmetic() {
         let plan = SweepPlan { scene: "iss".into(), worlds: Some(1), ..SweepPlan::default() };
         let own = SweepIdentity::new(&Sweep::new(plan).unwrap(), None);
         let other = SweepIdentity { arithmetic: ARITHMETIC + 1, ..own.clone() };

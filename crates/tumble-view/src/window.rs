@@ -371,7 +371,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bodies_are_picked_in_turn() {
+    fn bodies_are_picked_one_after_another() {
         assert_eq!(next_body(None, 3, false), Some(0));
         assert_eq!(next_body(Some(2), 3, false), Some(0));
         assert_eq!(next_body(Some(0), 3, true), Some(2));
@@ -380,7 +380,7 @@ mod tests {
     }
 
     #[test]
-    fn time_and_speed_are_told() {
+    fn time_and_speed_are_shown() {
         assert_eq!(status(1.5, 0.25, 1.0), "t = 1.500 s   ×0.25");
         assert_eq!(status(86400.0, 1e6, 1e6), "t = 24.00 hours   11.57 days a second");
     }

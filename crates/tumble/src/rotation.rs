@@ -1,8 +1,8 @@
 //! Rotations in the build's [`Real`]: what glam lacks or does less exactly, computed in double
 //! precision and rounded once.
 //!
-//! The same functions in `f64` are those of `tumble-math`, where their conventions and errors are
-//! told in full.
+//! The same functions in `f64` are those of `tumble-math`, which documents their conventions
+//! and errors in full.
 //!
 //! ```
 //! use tumble::math::{Quat, Real};

@@ -123,7 +123,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
-    fn frames_tell_what_their_steps_tell(seed in any::<u64>(), fastest in 0.005..0.25_f64) {
+    fn frames_report_what_their_steps_report(seed in any::<u64>(), fastest in 0.005..0.25_f64) {
         let alone = step_by_step(seed, STEPS);
         prop_assume!(alone.iter().flatten().count() > 3);
         let mut scene = Scene::new(seed, STEPS);
@@ -157,7 +157,7 @@ proptest! {
     }
 
     #[test]
-    fn many_steps_tell_what_each_tells(seed in any::<u64>(), most in 1_u64..40) {
+    fn many_steps_report_what_each_reports(seed in any::<u64>(), most in 1_u64..40) {
         let alone = step_by_step(seed, STEPS);
         let mut scene = Scene::new(seed, STEPS);
         let mut simulation = Simulation::new(settings(seed)).unwrap();
@@ -175,7 +175,7 @@ proptest! {
     }
 
     #[test]
-    fn batches_tell_what_each_world_tells(seed in any::<u64>(), count in 2_u32..60) {
+    fn batches_report_what_each_world_reports(seed in any::<u64>(), count in 2_u32..60) {
         let worlds: Vec<u64> = (0..20).map(|i| seed.wrapping_add(i * 5)).collect();
         let trial = |seed: &u64| Trial::new(settings(*seed), Scene::new(*seed, STEPS).world).unwrap();
         let mut batch: Batch = worlds.iter().map(trial).collect();
@@ -194,7 +194,7 @@ proptest! {
 
 /// A ball that bounces off within a frame has hit and left in it, in this order.
 #[test]
-fn a_blow_within_a_frame_is_told_whole() {
+fn a_blow_within_a_frame_is_reported_whole() {
     let mut world = World::new();
     let bouncy = Material::new(0.0, 1.0);
     let ground = spawn(&mut world, RigidBody::new(Shape::Point).fixed(), surfaced(Collider::half_space(), bouncy));

@@ -34,22 +34,22 @@ fn simulation() -> Simulation {
 
 /// A contact event without how hard it was.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Told {
+enum Reported {
     Begin([Entity; 2]),
     End([Entity; 2]),
 }
 
-impl Told {
+impl Reported {
     fn bodies(self) -> [Entity; 2] {
         let (Self::Begin(bodies) | Self::End(bodies)) = self;
         bodies
     }
 }
 
-fn events(simulation: &Simulation) -> Vec<Told> {
+fn events(simulation: &Simulation) -> Vec<Reported> {
     let told = |event: ContactEvent| match event {
-        ContactEvent::Begin(bodies, _) => Told::Begin(bodies),
-        ContactEvent::End(bodies) => Told::End(bodies),
+        ContactEvent::Begin(bodies, _) => Reported::Begin(bodies),
+        ContactEvent::End(bodies) => Reported::End(bodies),
     };
     simulation.contact_events().map(told).collect()
 }
@@ -57,7 +57,7 @@ fn events(simulation: &Simulation) -> Vec<Told> {
 /// A box on a box on ground: two contacts, each with the weight of what is on it, whichever of its
 /// bodies comes first.
 #[test]
-fn a_stack_is_told_as_it_stands() {
+fn a_stack_is_reported_as_it_stands() {
     // By identity: the ground first, last and in the middle; without one it is last.
     for ids in [[1, 2, 3], [3, 1, 2], [2, 1, 3], [2, 3, 1]] {
         let mut world = World::new();
@@ -91,7 +91,7 @@ fn a_stack_is_told_as_it_stands() {
 
 /// Friction is what slows a sliding box: mu M g against the velocity.
 #[test]
-fn friction_is_told() {
+fn friction_is_reported() {
     let mut world = World::new();
     ground(&mut world, Some(9));
     let start =
@@ -152,7 +152,7 @@ fn a_bounce_begins_and_ends() {
     assert_eq!(bounces, 4);
     // The ground has no identity, so it comes after the ball only by its entity, which is the
     // first.
-    let one = [Told::Begin([ground, ball]), Told::End([ground, ball])];
+    let one = [Reported::Begin([ground, ball]), Reported::End([ground, ball])];
     assert_eq!(told, [one; 4].concat());
 }
 
@@ -169,18 +169,18 @@ fn a_pile_that_settles_does_not_flicker() {
         assert!(events.is_sorted_by_key(|event| order_of(&world, event.bodies())), "{events:?}");
         for event in events {
             let changed = match event {
-                Told::Begin(bodies) => touching.insert(bodies),
-                Told::End(bodies) => touching.remove(&bodies),
+                Reported::Begin(bodies) => touching.insert(bodies),
+                Reported::End(bodies) => touching.remove(&bodies),
             };
             assert!(changed, "{event:?} in step {step}");
             // What rocks may touch now here, now there, but takes its time.
             match event {
-                Told::Begin(bodies) => {
+                Reported::Begin(bodies) => {
                     let before = ended.insert(bodies, None).flatten();
                     assert!(before.is_none_or(|end| step < 500 || step - end > 10), "{event:?} again in step {step}");
                     late += u32::from(step >= 500);
                 }
-                Told::End(bodies) => {
+                Reported::End(bodies) => {
                     ended.insert(bodies, Some(step));
                 }
             }
@@ -212,7 +212,7 @@ fn what_is_gone_has_ended() {
         });
         let mut simulation = simulation();
         simulation.step(&mut world);
-        assert_eq!(events(&simulation), [a, b, c].map(|it| Told::Begin([ground, it])));
+        assert_eq!(events(&simulation), [a, b, c].map(|it| Reported::Begin([ground, it])));
         simulation.step(&mut world);
         assert_eq!(events(&simulation), []);
         let leave = |world: &mut World, entity: Entity| {
@@ -227,16 +227,16 @@ fn what_is_gone_has_ended() {
         let far = RigidBody::new(cube(0.5)).mass(1.0).position(Vec3::Y * 50.0).id(BodyId(9));
         body(&mut world, far, &cube(0.5));
         simulation.step(&mut world);
-        assert_eq!(events(&simulation), [Told::End([ground, b])]);
+        assert_eq!(events(&simulation), [Reported::End([ground, b])]);
         simulation.step(&mut world);
         assert_eq!(events(&simulation), []);
         leave(&mut world, a);
         simulation.step_many(&mut world, 2);
-        assert_eq!(events(&simulation), [Told::End([ground, a])], "of both steps");
+        assert_eq!(events(&simulation), [Reported::End([ground, a])], "of both steps");
         // With the ground everything loses its hold; the others fall.
         leave(&mut world, ground);
         simulation.step(&mut world);
-        assert_eq!(events(&simulation), [Told::End([ground, c])]);
+        assert_eq!(events(&simulation), [Reported::End([ground, c])]);
     }
 }
 
@@ -256,7 +256,7 @@ fn who_takes_the_place_of_another_is_not_taken_for_it() {
     simulation.step(&mut world);
     let events = events(&simulation);
     assert_eq!(events.len(), 2, "{events:?}");
-    assert!(events.contains(&Told::End([ground, heavy])) && events.contains(&Told::Begin([ground, light])));
+    assert!(events.contains(&Reported::End([ground, heavy])) && events.contains(&Reported::Begin([ground, light])));
     // It begins without the impulses of the other, which would throw it up.
     let up = world.get::<&Velocity>(light).unwrap().linear.y;
     assert!(up < 0.01, "{up}");
@@ -280,7 +280,7 @@ fn a_world_without_colliders_has_no_contacts() {
             world.remove_one::<Collider>(entity).unwrap();
         }
         simulation.step(&mut world);
-        assert_eq!(events(&simulation), [Told::End([ground, lying])], "{spring}");
+        assert_eq!(events(&simulation), [Reported::End([ground, lying])], "{spring}");
         assert_eq!(simulation.contacts().count(), 0);
         simulation.step(&mut world);
         assert_eq!(events(&simulation), [], "{spring}");
@@ -290,7 +290,7 @@ fn a_world_without_colliders_has_no_contacts() {
 /// Two pucks in free space that stop each other in the middle of a step: no impulse is left at its
 /// end, and they are apart by what rounding makes of their places.
 #[test]
-fn a_hit_without_a_bounce_is_told() {
+fn a_hit_without_a_bounce_is_reported() {
     for (i, apart) in [0.001, 0.004, 0.01, 0.015].iter().cycle().take(40).enumerate() {
         let far = 50.0 + 0.37 * Real::from(i as u8);
         let surface = Material::new(0.0, 0.0);
@@ -312,7 +312,7 @@ fn a_hit_without_a_bounce_is_told() {
         }
         // What rounding makes of places fifty metres away, over a substep.
         assert!(world.get::<&Velocity>(pair[0]).unwrap().linear.length() < by_precision(1e-3, 1e-6) as Real);
-        assert_eq!(told, [Told::Begin(pair)], "{far} {apart}");
+        assert_eq!(told, [Reported::Begin(pair)], "{far} {apart}");
     }
 }
 
@@ -341,7 +341,7 @@ fn what_trembles_touches() {
         (before, highest) = (speed, height.max(highest));
     }
     assert!(bounces >= 5 && (1e-4..1e-3).contains(&highest), "{bounces} bounces up to {highest} m");
-    assert_eq!(told, [Told::Begin([ground, ball])]);
+    assert_eq!(told, [Reported::Begin([ground, ball])]);
 }
 
 /// With substeps of the settings an event is of the whole step.
@@ -356,13 +356,13 @@ fn events_are_of_the_step() {
         simulation.step(&mut world);
         told.push(events(&simulation));
     }
-    assert_eq!(told.concat(), [Told::Begin([ground, falling])]);
+    assert_eq!(told.concat(), [Reported::Begin([ground, falling])]);
     // It fell ten centimetres, in 0.14 s.
     assert_eq!(told[0].len(), 1);
 }
 
 #[test]
-fn nothing_is_told_before_a_step() {
+fn nothing_is_reported_before_a_step() {
     let mut world = World::new();
     ground(&mut world, None);
     body(&mut world, RigidBody::new(cube(0.5)).mass(1.0).position(Vec3::Y * 0.5), &cube(0.5));

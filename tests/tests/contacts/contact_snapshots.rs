@@ -42,9 +42,9 @@ fn before_and_after() -> (World, Simulation, Snapshot, Vec<u64>) {
 
 /// A contact in any world: identities in the place of entities, position, separation and impulse of
 /// points, normal and friction.
-type Told = (Vec<Option<u64>>, Vec<[Real; 5]>, [Real; 6]);
+type Reported = (Vec<Option<u64>>, Vec<[Real; 5]>, [Real; 6]);
 
-fn told(simulation: &Simulation, world: &World) -> Vec<Told> {
+fn told(simulation: &Simulation, world: &World) -> Vec<Reported> {
     let id = |entity: &Entity| world.get::<&BodyId>(*entity).ok().map(|id| id.0);
     let contact = |contact: Contact| {
         let points = contact.points().iter().map(|point| {

@@ -14,7 +14,9 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
 use tumble::prelude::*;
-use tumble_tests::touching::{collider, pose, prism, spawn, surfaced, velocity};
+use tumble_tests::touching::{
+    collider, cube_below, frustum_center, ground_or_cube, pose, prism, spawn, surfaced, velocity,
+};
 use tumble_tests::{Draw, cases, dvec3, quat, real, settings_at_random, vec3};
 
 const G: f64 = 9.81;
@@ -44,8 +46,7 @@ impl Standing {
             2 => of(Shape::cone(radius, half), 0.5 * half),
             3 => {
                 let top = draw.between(0.3, 0.9);
-                let middle = (1.0 + 2.0 * top + 3.0 * top * top) / (4.0 * (1.0 + top + top * top));
-                of(Shape::frustum(radius, top * radius, half), 2.0 * half * middle)
+                of(Shape::frustum(radius, top * radius, half), 2.0 * half * frustum_center(top))
             }
             _ => {
                 let sides = draw.between(3.0, 12.99) as u32;
@@ -76,13 +77,7 @@ fn what_stands_comes_to_rest() {
         let half = radius * draw.between(1.0, 4.5);
         let Standing { shape, collider: touched, origin, .. } = Standing::high(&mut draw, radius, half);
         let mut world = World::new();
-        let below = Shape::cuboid([10.0 * radius; 3]);
-        let on_plane = draw.often(0.5);
-        let (under, at) = match on_plane {
-            true => (Collider::half_space(), 0.0),
-            false => (collider(&below), -10.0 * radius),
-        };
-        spawn(&mut world, RigidBody::new(Shape::Point).fixed().position(vec3(DVec3::Y * at)), under);
+        let on_plane = ground_or_cube(&mut draw, &mut world, 10.0 * radius, Material::default());
         let turn = DQuat::from_rotation_y(draw.between(0.0, TAU));
         let body = RigidBody::new(shape.clone()).position(vec3(DVec3::Y * origin)).orientation(quat(turn));
         let body = spawn(&mut world, body.mass(draw.log_between(0.01, 1e3)), touched);
@@ -101,38 +96,31 @@ fn what_overhangs_comes_to_rest() {
         let mut draw = Draw::new(906, case.into());
         let radius = draw.log_between(0.02, 2.0);
         let half = radius * draw.between(0.3, 2.0);
-        let turn = DQuat::from_rotation_y(draw.between(0.0, TAU));
-        let rim = |sides: u32| {
-            (0..sides).map(move |k| DQuat::from_rotation_y(f64::from(k) * TAU / f64::from(sides)) * DVec3::X)
-        };
-        // Of the outline over the middle, along the way that it overhangs.
-        let reach = |corners: &mut dyn Iterator<Item = DVec3>| corners.map(|at| (turn * at).x).fold(0.0, f64::max);
+        let angle = draw.between(0.0, TAU);
+        // How far its outline reaches over the middle where it overhangs, in radii.
         let (shape, touched, width, least) = match draw.between(0.0, 3.0) as u32 {
             0 => {
                 let depth = draw.between(0.3, 1.0);
                 let shape = Shape::cuboid([radius, half, radius * depth]);
-                let mut corners = [-1.0, 1.0].into_iter().map(|z| DVec3::new(1.0, 0.0, z * depth));
-                let mut all = corners.clone().chain(corners.by_ref().map(|corner| -corner));
-                (shape.clone(), collider(&shape), reach(&mut all), 0.2)
+                (shape.clone(), collider(&shape), angle.cos().abs() + depth * angle.sin().abs(), 0.2)
             }
             1 => (Shape::cylinder(radius, half), collider(&Shape::cylinder(radius, half)), 1.0, 0.2),
             _ => {
                 let sides = draw.between(5.0, 12.99) as u32;
+                let corners = (0..sides).map(|k| (angle + f64::from(k) * TAU / f64::from(sides)).cos());
                 // Of six points and more four are kept, which may not reach around what is nearer.
-                (Shape::cylinder(radius, half), prism(sides, radius, half), reach(&mut rim(sides)), 0.45)
+                (Shape::cylinder(radius, half), prism(sides, radius, half), corners.fold(0.0, f64::max), 0.45)
             }
         };
         let mut world = World::new();
         let surface = Material::default().with_friction(0.6);
-        let below = Shape::cuboid([5.0 * radius; 3]);
-        let under = RigidBody::new(below.clone()).fixed().position(vec3(DVec3::Y * (-5.0 * radius)));
-        spawn(&mut world, under, surfaced(collider(&below), surface));
-        // The centre of mass is so far inside the edge.
+        cube_below(&mut world, 5.0 * radius, surface);
+        // From the edge to the centre of mass.
         let inside = radius * width * draw.between(least, 0.8);
         let body = RigidBody::new(shape)
             .mass(draw.log_between(0.01, 1e3))
             .position(vec3(DVec3::new(5.0 * radius - inside, half, 0.0)))
-            .orientation(quat(turn));
+            .orientation(quat(DQuat::from_rotation_y(angle)));
         let body = spawn(&mut world, body, surfaced(touched, surface));
         let fastest = fastest_after_a_while(&mut world, body, settings_at_random(&mut draw, [4.0, 16.0]));
         let slow = 1e-4 * (G * radius).sqrt();

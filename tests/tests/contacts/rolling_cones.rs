@@ -9,14 +9,13 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DQuat, DVec3};
 use hecs::{Entity, World};
-use tumble::Collider;
 use tumble::prelude::*;
-use tumble_tests::touching::{collider, pose, spawn, surfaced};
-use tumble_tests::{Draw, cases, dquat, dvec3, quat, real, run, settings_at_random, vec3};
+use tumble_tests::touching::{collider, frustum_center, ground_or_cube, pose, spawn, surfaced};
+use tumble_tests::{Draw, Rise, cases, dquat, dvec3, quat, real, run, settings_at_random, vec3};
 
 const G: f64 = 9.81;
 
-/// The apex, or where the sides of a frustum would meet, so far from the centre of mass.
+/// The apex, or where the sides of a frustum would meet, at a distance from the centre of mass.
 fn apex(world: &World, body: Entity, along_axis: f64) -> DVec3 {
     let pose = pose(world, body);
     dvec3(pose.position) + dquat(pose.orientation) * (DVec3::Y * along_axis)
@@ -32,13 +31,7 @@ fn what_rolls_on_its_side_gains_no_energy() {
         let shape = if top == 0.0 { Shape::cone(radius, half) } else { Shape::frustum(radius, top * radius, half) };
         let surface = Material::default().with_friction(real(draw.between(0.5, 1.0)));
         let mut world = World::new();
-        let size = 100.0 * radius;
-        let (under, at) = match draw.often(0.5) {
-            true => (Collider::half_space(), 0.0),
-            false => (collider(&Shape::cuboid([size; 3])), -size),
-        };
-        let ground = RigidBody::new(Shape::Point).fixed().position(vec3(DVec3::Y * at));
-        spawn(&mut world, ground, surfaced(under, surface));
+        ground_or_cube(&mut draw, &mut world, 100.0 * radius, surface);
 
         // On its side, the base towards the turned x axis; it turns about the line of contact.
         let slope = ((1.0 - top) * radius / (2.0 * half)).atan();
@@ -57,18 +50,15 @@ fn what_rolls_on_its_side_gains_no_energy() {
         let second = (1.0 / f64::from(settings.dt)) as u32;
         run(&mut simulation, &mut world, second);
 
-        let middle = (1.0 + 2.0 * top + 3.0 * top * top) / (4.0 * (1.0 + top + top * top));
-        let far = 2.0 * half * (1.0 / (1.0 - top) - middle);
+        let far = 2.0 * half * (1.0 / (1.0 - top) - frustum_center(top));
         let start = (simulation.totals(&world), apex(&world, body, far));
-        let (mut least, mut gain, mut away) = (start.0.energy(), 0.0_f64, 0.0_f64);
+        let (mut rise, mut away) = (Rise::from(start.0.energy()), 0.0_f64);
         for _ in 0..20 * second {
             simulation.step(&mut world);
-            let energy = simulation.totals(&world).energy();
-            gain = gain.max(energy - least);
-            least = least.min(energy);
+            rise.note(simulation.totals(&world).energy());
             away = away.max((apex(&world, body, far) - start.1).length());
         }
-        let kinetic = start.0.kinetic();
+        let (gain, kinetic) = (rise.most(), start.0.kinetic());
         let kept = simulation.totals(&world).kinetic() / kinetic;
         let of = format!("case {case}, {shape:?}, {settings:?}");
         assert!(gain < 0.02 * kinetic && kept > 0.98, "{of}: gains {} of its energy, keeps {kept}", gain / kinetic);

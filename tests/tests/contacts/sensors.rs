@@ -290,9 +290,9 @@ fn every_event_comes_once_however_frames_fall() {
     }
 }
 
-/// A run that goes back to a snapshot tells what it told.
+/// A run that goes back to a snapshot reports what it reported.
 #[test]
-fn after_a_restore_the_same_is_told() {
+fn after_a_restore_the_same_is_reported() {
     for case in 0..12 {
         let (mut world, mut simulation) = (world_of(case), Simulation::new(settings(case)).unwrap());
         simulation.step_many(&mut world, 20);

@@ -1,7 +1,7 @@
 //! Promise: every event of joints is reported exactly once, however steps fall into frames.
 //!
-//! Why: a frame of several steps told of its last step only, and a rope that broke before it was
-//! still drawn. It fails if a frame loses events, tells some twice, or in another order.
+//! Why: a frame of several steps reported its last step only, and a rope that broke before it was
+//! still drawn. It fails if a frame loses events, reports some twice, or in another order.
 
 use hecs::{Entity, World};
 use tumble::math::{Real, Vec3};

@@ -94,7 +94,7 @@ fn below_half_a_grid_in_a_step_nothing_moves() {
 /// At most half a grid of a step is lost or won, so at n times the slowest speed one nth of the
 /// way; four times that with four additions.
 #[test]
-fn at_a_multiple_of_the_slowest_speed_one_in_so_many_is_lost() {
+fn at_a_multiple_of_the_slowest_speed_a_fraction_is_lost() {
     for integrator in INTEGRATORS {
         let additions = if integrator == Integrator::RungeKutta4 { 4.0 } else { 1.0 };
         for distance in [2.5, 300.0, 1000.0, 5000.0] {

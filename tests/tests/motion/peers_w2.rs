@@ -39,8 +39,8 @@ fn no_engine_does_better() {
             let missed = |flips: u32| flips.abs_diff(body.flips);
             // Bullet loses 97 % of the energy and has the right count by accident; the count of the
             // handle in single precision depends on rounding here too (`long_run.rs`).
-            let by_chance = peer.energy < -0.9 || (!DOUBLE && body.name == "thandle");
-            assert!(by_chance || missed(run.flips) <= missed(peer.flips), "{}: {} flips", peer.engine, peer.flips);
+            let is_luck = peer.energy < -0.9 || (!DOUBLE && body.name == "thandle");
+            assert!(is_luck || missed(run.flips) <= missed(peer.flips), "{}: {} flips", peer.engine, peer.flips);
         }
     }
 }

@@ -97,7 +97,7 @@ fn a_world_in_a_batch_has_the_bits_it_has_alone() {
 
 /// Looking at a world does not change it, and each world ends by itself.
 #[test]
-fn worlds_are_observed_every_so_many_steps_and_stop_by_themselves() {
+fn worlds_are_observed_at_an_interval_and_stop_by_themselves() {
     let mut plain = batch();
     plain.step_many(STEPS);
     let mut batch = batch();

@@ -1,5 +1,5 @@
 //! Promise: what moves is decided by the components an entity has. Without `Momentum` a body is
-//! fixed, with a `Velocity` and no `Momentum` it is kinematic and moves exactly as told; what is
+//! fixed, with a `Velocity` and no `Momentum` it is kinematic and moves exactly with it; what is
 //! not a body, or not all of one, is left alone; nothing panics, and the caller's own components
 //! change nothing.
 //!

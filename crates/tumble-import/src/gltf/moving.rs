@@ -7,7 +7,7 @@ use crate::checked::{real, real_vector};
 use crate::error::FieldError;
 use crate::gltf::PhysicsNode;
 use crate::gltf::{Motion, MotionKind};
-use crate::inertia_repair::{InertiaRepairs, nearest_moments, told};
+use crate::inertia_repair::{InertiaRepairs, nearest_moments, repair_notice};
 
 /// Density of what has colliders and neither mass nor density: that of water [kg/m^3].
 const DENSITY: f64 = 1000.0;
@@ -147,7 +147,7 @@ fn inertia(
     if repairs == InertiaRepairs::Refused {
         return Err(field(&format_args!("{impossible}; --repair takes the nearest possible")));
     }
-    notices.push(told(moments, nearest, away));
+    notices.push(repair_notice(moments, nearest, away));
     moments = nearest;
     Ok(PrincipalInertia { moments, axes: motion.inertia_orientation })
 }

@@ -7,7 +7,7 @@ use tumble_math::InertiaError;
 
 use crate::checked::{note, positive};
 use crate::error::FieldError;
-use crate::inertia_repair::{InertiaRepairs, nearest_moments, told};
+use crate::inertia_repair::{InertiaRepairs, nearest_moments, repair_notice};
 
 use crate::urdf::element::Element;
 use crate::urdf::frame::Frame;
@@ -105,7 +105,7 @@ fn tensor(
         && let Some((nearest, away)) = nearest_moments(*principal)
         && let Some(tensor) = nearest_tensor(matrix, *principal)
     {
-        left_out.repaired.push(format!("link {name:?} {}", told(*principal, nearest, away)));
+        left_out.repaired.push(format!("link {name:?} {}", repair_notice(*principal, nearest, away)));
         return Ok(tensor);
     }
     given.map_err(|error| {

@@ -34,7 +34,7 @@ pub(crate) fn depths(
     let local: Vec<DVec3> = positions.iter().map(|p| frame.local(*p)).collect();
     let shadows = Shadows::of(&local, triangles);
     let mut found = Vec::new();
-    let mut looked_at = 0;
+    let mut tested = 0;
     for (number, part) in parts.parts.iter().enumerate() {
         if !part.is_solid() {
             continue;
@@ -47,8 +47,8 @@ pub(crate) fn depths(
         let Some(&largest) = part.triangles.iter().max_by(|a, b| shadow(**a).total_cmp(&shadow(**b))) else { continue };
         let [a, b, c] = corners(largest);
         let point = (a + b + c) / 3.0;
-        looked_at += shadows.crossings(DVec2::new(point.y, point.z), &mut found);
-        if looked_at > most {
+        tested += shadows.crossings(DVec2::new(point.y, point.z), &mut found);
+        if tested > most {
             return None;
         }
         depths[number] = depth(number, largest, point.x, &mut found, parts);
@@ -102,7 +102,7 @@ mod tests {
         let parts = Parts::of(&positions, &triangles, &Edges::of(&triangles), &frame);
         let found = depths(&positions, &triangles, &parts, &frame, 100_000);
         // From the fifteenth on they are smaller than what counts as touching, 1e-9, and what is
-        // inside what cannot be told.
+        // inside what is unknown.
         assert_eq!(found.map(|depths| depths[..14].to_vec()), Some((0..14).collect()));
         assert_eq!(depths(&positions, &triangles, &parts, &frame, 100), None);
     }

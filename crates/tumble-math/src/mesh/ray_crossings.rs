@@ -87,11 +87,11 @@ impl<'a> Shadows<'a> {
     /// were tested.
     pub(crate) fn crossings(&self, line: DVec2, found: &mut Vec<Crossing>) -> usize {
         found.clear();
-        let mut looked_at = 0;
+        let mut tested = 0;
         let mut waiting = vec![0_u32];
         while let Some(number) = waiting.pop() {
             let node = self.nodes[number as usize];
-            looked_at += 1;
+            tested += 1;
             if line.cmplt(node.low).any() || line.cmpgt(node.high).any() {
                 continue;
             }
@@ -100,12 +100,12 @@ impl<'a> Shadows<'a> {
                 continue;
             }
             for &triangle in &self.order[node.start as usize..node.end as usize] {
-                looked_at += 1;
+                tested += 1;
                 let crossing = crossing(self.corners(triangle), line);
                 found.extend(crossing.map(|(x, sign)| Crossing { triangle, x, sign }));
             }
         }
-        looked_at
+        tested
     }
 }
 

@@ -17,7 +17,7 @@ use crate::model::scene_model::SceneModel;
 /// A scene that is generated on each request.
 pub(crate) struct ContactScene {
     pub(crate) name: &'static str,
-    /// How many bodies that are not scenery, unless told otherwise; `None` where the number is part
+    /// How many bodies that are not scenery, unless one is given; `None` where the number is part
     /// of the scene.
     pub(crate) bodies: Option<usize>,
     /// Whether chance has a part in it.

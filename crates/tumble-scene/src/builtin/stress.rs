@@ -8,7 +8,7 @@ use tumble_import::checked::{real_quaternion, real_vector};
 
 use crate::bodies::scene_body::SceneBody;
 
-/// Bodies of the stress scene unless told otherwise.
+/// Bodies of the stress scene unless another number is given.
 pub(crate) const DEFAULT_BODIES: usize = 10_000;
 
 /// What is to be seen in it.

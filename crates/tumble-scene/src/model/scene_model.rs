@@ -39,7 +39,7 @@ pub(crate) struct SceneModel {
     pub(crate) joints: Vec<JointModel>,
     #[serde(default, deserialize_with = "gears")]
     pub(crate) gears: Vec<GearModel>,
-    /// What is to be told of the meshes.
+    /// Remarks about the meshes.
     #[serde(skip)]
     pub(crate) notices: Vec<String>,
     /// Of what is in the files of meshes; 0 without one.

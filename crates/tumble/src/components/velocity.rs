@@ -6,7 +6,7 @@ use crate::math::Vec3;
 ///
 /// On a body with [`Momentum`](crate::Momentum) it is derived by
 /// [`update_derived`](crate::update_derived); change the momentum, not this. A body with a velocity
-/// and no momentum is *kinematic*: it moves as told, whatever pushes it.
+/// and no momentum is *kinematic*: it moves at its velocity, whatever pushes it.
 ///
 /// ```
 /// # use tumble::prelude::*;

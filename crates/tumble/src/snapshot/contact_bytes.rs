@@ -134,7 +134,7 @@ pub(crate) fn read(reader: &mut Reader<'_>, counts: &Counts) -> Result<SavedCont
     if let Some(index) = contacts.iter().position(|contact| !(1..=contact.points.len()).contains(&contact.count)) {
         return Err(SnapshotError::Contact { contact: index, defect: ContactDefect::Points });
     }
-    // One too many or too few is somewhere; where cannot be told.
+    // One too many or too few is somewhere; where is unknown.
     if contacts.iter().map(|contact| contact.count as u64).sum::<u64>() != counts.points {
         let contact = contacts.len().saturating_sub(1);
         return Err(SnapshotError::Contact { contact, defect: ContactDefect::Points });

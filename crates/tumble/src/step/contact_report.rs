@@ -16,7 +16,7 @@ use crate::step::simulation::Simulation;
 /// Impulses are those of the last substep of the contacts, of the length
 /// [`Settings::contact_substep`](crate::Settings::contact_substep): divided by it they are forces.
 /// At rest these are the forces at any time; a body that hits another without bouncing may have
-/// been stopped in an earlier substep, whose impulse is not told.
+/// been stopped in an earlier substep, whose impulse is not reported.
 ///
 /// ```
 /// use tumble::prelude::*;

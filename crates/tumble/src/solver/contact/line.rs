@@ -59,12 +59,16 @@ impl Line {
         }
     }
 
-    /// The parts of a motion along the normal without the lag, at the end of a substep; before it
-    /// with it.
+    /// The parts of a motion along the normal before a substep: that in its middle and the lag.
     #[inline(always)]
-    pub(crate) fn corrected<T: Tile>(&self, [along, about, about_second]: [T; 3], lane: usize, is_end: bool) -> [T; 3] {
-        let [lag, second]: [T; 2] = [at(&self.lag[0], lane), at(&self.lag[1], lane)];
-        if is_end { [along, about - lag, about_second - second] } else { [along, about + lag, about_second + second] }
+    pub(crate) fn with_lag<T: Tile>(&self, [along, about, about_second]: [T; 3], lane: usize) -> [T; 3] {
+        [along, about + at(&self.lag[0], lane), about_second + at(&self.lag[1], lane)]
+    }
+
+    /// The same after it, without the lag.
+    #[inline(always)]
+    pub(crate) fn without_lag<T: Tile>(&self, [along, about, about_second]: [T; 3], lane: usize) -> [T; 3] {
+        [along, about - at(&self.lag[0], lane), about_second - at(&self.lag[1], lane)]
     }
 }
 

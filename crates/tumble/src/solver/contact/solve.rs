@@ -157,9 +157,7 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
         let arms = frame.arms;
 
         let parts = frame.normal_parts(&bodies.relative(&inv_inertia, arms).less(lag));
-        let line = self.blocks.lines.get(index);
-        let parts = line.map_or(parts, |line| line.corrected(parts, lane, self.softness.is_none()));
-        let speeds = speeds(block, lane, parts);
+        let speeds = speeds(&self.blocks.blocks[index], lane, self.on_lines(index, lane, parts));
         let (changes, sum) = self.solve_points(index, lane, speeds);
         let block = &mut self.blocks.blocks[index];
         let (linear, angular) = along_normals(block, &frame, lane, changes);
@@ -205,6 +203,16 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
 }
 
 impl<const P: usize, const C: usize> Solve<'_, P, C> {
+    /// The parts of a motion along the normal as lines of contact that turn have it.
+    #[inline(always)]
+    fn on_lines<T: Tile>(&self, index: usize, lane: usize, parts: [T; 3]) -> [T; 3] {
+        match (self.blocks.lines.get(index), self.softness) {
+            (Some(line), Some(_)) => line.with_lag(parts, lane),
+            (Some(line), None) => line.without_lag(parts, lane),
+            (None, _) => parts,
+        }
+    }
+
     /// By how much the impulse of each point changed, and the sum of the impulses.
     #[inline(always)]
     fn solve_points<T: Tile>(&mut self, index: usize, lane: usize, speeds: [T; P]) -> ([T; P], T) {
