@@ -71,10 +71,9 @@ fn every_phase_is_seen() {
     let pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build().unwrap();
     let (mut bodies, mut simulation) = (world(), Simulation::new(Settings::default()).unwrap());
     pool.install(|| {
-        let kinematic = "tumble::move_kinematic_bodies";
         // Where forces are constant, a chunk takes all its steps at once.
         let steps = scopes(|| simulation.step_many(&mut bodies, 5));
-        assert_eq!(steps, counts([("tumble::step", 1), ("tumble::step_chunk", 1), (kinematic, 1)]));
+        assert_eq!(steps, counts([("tumble::step", 1), ("tumble::step_chunk", 1)]));
 
         let (accumulate, derive) = ("tumble::accumulate_forces", "tumble::update_derived");
         let settings = Settings::default();
@@ -85,10 +84,13 @@ fn every_phase_is_seen() {
         // Laws and a ledger make no difference.
         simulation.add_global_law(Still);
         let steps = scopes(|| simulation.step_many(&mut bodies, 3));
-        assert_eq!(steps, counts([("tumble::step", 1), ("tumble::step_chunk", 1), (kinematic, 1)]));
+        assert_eq!(steps, counts([("tumble::step", 1), ("tumble::step_chunk", 1)]));
+        // Kinematic bodies are moved in a pass of their own, where there are any.
+        RigidBody::new(Shape::sphere(1.0)).kinematic().build().unwrap().spawn(&mut bodies);
         Ledger::attach(&mut bodies, &simulation);
         let steps = scopes(|| simulation.step_many(&mut bodies, 3));
-        assert_eq!(steps, counts([("tumble::step", 1), ("tumble::step_chunk", 1), (kinematic, 1)]));
+        let kinematic = ("tumble::move_kinematic_bodies", 1);
+        assert_eq!(steps, counts([("tumble::step", 1), ("tumble::step_chunk", 1), kinematic]));
 
         let mut trial = Trial::new(settings, world()).unwrap();
         assert_eq!(scopes(|| trial.step_many(2)).get("tumble::trial"), Some(&1));

@@ -1,9 +1,10 @@
 //! The scenes whose instructions are counted, and how they are stepped.
 
+use hecs::World;
 use tumble::math::Vec3;
 use tumble::{Batch, Ledger, QueryFilter, Settings, Simulation, Trial, simd_name};
 use tumble_benches::{
-    HillBodies, HillGround, JointKind, attracting_points, chain, eight_boxes, falling_balls, hills, net_of_springs,
+    HillBodies, HillGround, JointKind, arm, attracting_points, chain, eight_boxes, falling_balls, hills, net_of_springs,
     pyramid, ragdolls, rays_through_boxes, scattered_boxes, tumbling_boxes,
 };
 
@@ -13,7 +14,7 @@ use crate::Failure;
 pub(crate) const BODIES: u32 = 4096;
 /// Where bodies act on each other: a name, how many they are, and after how many steps counting
 /// begins.
-pub(crate) const COUPLED: [(&str, u32, u32); 16] = [
+pub(crate) const COUPLED: [(&str, u32, u32); 17] = [
     ("springs", 1024, 5),
     ("attraction", 256, 5),
     ("pyramid", 204, 5),
@@ -21,6 +22,7 @@ pub(crate) const COUPLED: [(&str, u32, u32); 16] = [
     ("worlds", WORLDS * 8, 60),
     ("chain", JOINTS * SUBSTEPS, 5),
     ("hinges", JOINTS * SUBSTEPS, 5),
+    ("arms", ARMS * HINGES * SUBSTEPS, 30),
     ("rays", RAYS, 1),
     ("unmoved", UNMOVED, 1),
     ("hill-boxes", ON_HILLS, 40),
@@ -45,6 +47,9 @@ const ONE_BODY_STEPS: u32 = 1000;
 const RAGDOLLS: u32 = 2;
 /// In a chain.
 const JOINTS: u32 = 100;
+/// Arms in a batch, and the joints of each.
+const ARMS: u32 = 16;
+const HINGES: u32 = 7;
 /// In a step: with joints, what is counted is per joint and substep.
 const SUBSTEPS: u32 = 4;
 /// Of eight boxes.
@@ -57,7 +62,8 @@ pub(crate) const SHORT: u32 = 5;
 pub(crate) fn step(scene: &str, steps: u32, threads: usize) -> Result<(), Failure> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).use_current_thread().build()?;
     pool.install(|| match scene {
-        "worlds" => step_worlds(steps),
+        "worlds" => step_worlds(WORLDS, steps, |index| eight_boxes(index.into())),
+        "arms" => step_worlds(ARMS, steps, |_| arm(HINGES as usize)),
         "rays" | "unmoved" => ask(scene == "rays", steps),
         _ => step_world(scene, steps),
     })?;
@@ -95,9 +101,9 @@ fn step_world(scene: &str, steps: u32) -> Result<(), Failure> {
     Ok(())
 }
 
-fn step_worlds(steps: u32) -> Result<(), Failure> {
-    let made = |index: u32| Trial::new(Settings::default(), eight_boxes(index.into()));
-    (0..WORLDS).map(made).collect::<Result<Batch, _>>()?.step_many(steps);
+fn step_worlds(count: u32, steps: u32, world: impl Fn(u32) -> World) -> Result<(), Failure> {
+    let made = |index: u32| Trial::new(Settings::default().with_contact_substeps(SUBSTEPS), world(index));
+    (0..count).map(made).collect::<Result<Batch, _>>()?.step_many(steps);
     Ok(())
 }
 

@@ -107,13 +107,14 @@ pub(crate) fn difference<'a>(
 pub(crate) fn manifold_of(shapes: &Difference<'_>, found: &Approach, layers: [f64; 2], margin: f64) -> Manifold<f64> {
     let Approach { normal, between, lead, on_first } = *found;
     let separation = between - (layers[0] + layers[1]);
+    let middles = [shapes.first.middle(), shapes.place(shapes.second.middle())];
     let face_clipping = FaceClipping { normal, separation, layers, margin };
     let near = Near::at(separation, margin);
     let of_first = shapes.first.feature(normal, near);
     let of_second = shapes.second.feature(shapes.turned_back(normal * -1.0), near);
     let of_second = of_second.seen(|point| shapes.place(point), |v| shapes.turn(v));
     let nearest = on_first + normal * (layers[0] + 0.5 * separation);
-    face_clipping.manifold(&of_first, &of_second, nearest, lead)
+    face_clipping.manifold(&of_first, &of_second, nearest, lead, middles)
 }
 
 /// From the first to the second.

@@ -84,9 +84,17 @@ impl<T: Copy, const M: usize> List<T, M> {
 impl<R: Scalar> FaceClipping<R> {
     /// The points that both pieces have in common and, where none of them is as near as the shapes
     /// are, the given one, halfway between the surfaces. What reaches furthest along the normal may
-    /// be beside both pieces, by which it is up to `lead` less than how far they are apart.
-    pub(crate) fn manifold(&self, first: &Feature<R>, second: &Feature<R>, nearest: Vec3<R>, lead: R) -> Manifold<R> {
-        self.manifold_of::<MAX_CORNERS, MAX_CORNERS, MAX>(first, second, nearest, lead)
+    /// be beside both pieces, by which it is up to `lead` less than how far they are apart. The
+    /// middles are those of the shapes.
+    pub(crate) fn manifold(
+        &self,
+        first: &Feature<R>,
+        second: &Feature<R>,
+        nearest: Vec3<R>,
+        lead: R,
+        middles: [Vec3<R>; 2],
+    ) -> Manifold<R> {
+        self.manifold_of::<MAX_CORNERS, MAX_CORNERS, MAX>(first, second, nearest, lead, middles)
     }
 
     /// The same of pieces with fewer corners, which have up to `M` points in common.
@@ -96,6 +104,7 @@ impl<R: Scalar> FaceClipping<R> {
         second: &Feature<R, K>,
         nearest: Vec3<R>,
         lead: R,
+        middles: [Vec3<R>; 2],
     ) -> Manifold<R> {
         let (mut candidates, carried) = self.shared::<N, K, M>(first, second);
         let small = at_most_extent(self.margin, candidates.items());
@@ -108,7 +117,7 @@ impl<R: Scalar> FaceClipping<R> {
             [] => Points::none(),
             [first, ..] => {
                 let cut = if first.feature & OF_FIRST == 0 { Cut::Second } else { Cut::First };
-                reduce(candidates, cut, self.normal, self.margin)
+                reduce(candidates, cut, self.normal, self.margin, &middles)
             }
         };
         keep_nearest(&mut points, candidates, near, self.normal);

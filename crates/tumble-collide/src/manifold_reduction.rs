@@ -21,6 +21,12 @@ const MAX_PRESSED: f64 = 4.0;
 /// parts, is deeper by 0.35 of that.
 const PRESSED: f64 = 0.4;
 
+/// A middle that is further inside the sides of the chosen points than this part of their extent is
+/// held; that of a regular pentagon is by 0.16 of it.
+const HELD: f64 = 0.125;
+/// A point takes the place of another where that moves a side outwards by more than this part of
+/// the extent.
+const WORTH: f64 = 2e-3;
 /// Which of two shapes a piece was cut of, with which points go.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Cut {
@@ -30,8 +36,15 @@ pub(crate) enum Cut {
 
 /// Of points in a line the two ends. Else all of four points and fewer. Of more: the outermost of
 /// the deepest, the one farthest from it, the one that makes the largest triangle with both, and
-/// the one that adds most to its area.
-pub(crate) fn reduce<R: Scalar>(candidates: &[ContactPoint<R>], cut: Cut, normal: Vec3<R>, margin: R) -> Points<R> {
+/// the one that adds most to its area; then those without which a middle of a shape, which stands
+/// for its centre of mass, is not held where all points hold it.
+pub(crate) fn reduce<R: Scalar>(
+    candidates: &[ContactPoint<R>],
+    cut: Cut,
+    normal: Vec3<R>,
+    margin: R,
+    middles: &[Vec3<R>],
+) -> Points<R> {
     let mut points = Points::none();
     if candidates.len() < 3 {
         candidates.iter().for_each(|candidate| points.push(*candidate));
@@ -78,11 +91,94 @@ pub(crate) fn reduce<R: Scalar>(candidates: &[ContactPoint<R>], cut: Cut, normal
     let of_triangle = area(a, b, c);
     let adds = of_triangle <= R::splat(0.0) || added(at(last)) > of_triangle * R::splat(LEAD);
     let mut chosen = [deepest, far, wide, last];
+    if adds {
+        for middle in middles {
+            hold_middle(&mut chosen, count, *middle, normal, length.sqrt(), &at);
+        }
+    }
     let chosen = if adds { &mut chosen[..] } else { &mut chosen[..3] };
     // In the order they came in, whatever made them be chosen.
     chosen.sort_unstable();
     chosen.iter().for_each(|index| points.push(candidates[*index]));
     points
+}
+
+/// Puts points in the place of others until no point is beyond the side of the four that is nearest
+/// to a middle, where that is not well inside and they can hold it. What overhangs an edge is held
+/// by both ends of it.
+fn hold_middle<R: Scalar>(
+    four: &mut [usize; MAX_MANIFOLD_POINTS],
+    count: usize,
+    middle: Vec3<R>,
+    normal: Vec3<R>,
+    extent: R,
+    at: &impl Fn(usize) -> Vec3<R>,
+) {
+    let (held, worth) = (extent * R::splat(HELD), extent * R::splat(WORTH));
+    let nearest = |four: [usize; MAX_MANIFOLD_POINTS]| nearest_side(four.map(at), middle, normal);
+    // Of those that hold it as well the widest.
+    let score = |four: [usize; MAX_MANIFOLD_POINTS], depth: R| {
+        depth.min(held) + width(four.map(at), normal) / extent * R::splat(0.1 * WORTH)
+    };
+    let mut better = *four;
+    let Some(mut side) = nearest(better) else { return };
+    for _ in 0..MAX_MANIFOLD_POINTS {
+        let beyond = |index: usize| side.outwards.dot(at(index) - side.from);
+        let furthest = best(count, |index| better.contains(&index), beyond);
+        if side.depth >= held || beyond(furthest) <= worth {
+            break;
+        }
+        let (mut next, mut most) = (None, score(better, side.depth) + worth * R::splat(0.1));
+        for replaced in 0..MAX_MANIFOLD_POINTS {
+            let mut other = better;
+            other[replaced] = furthest;
+            if let Some(side) = nearest(other) {
+                let score = score(other, side.depth);
+                if score > most {
+                    (next, most) = (Some((other, side)), score);
+                }
+            }
+        }
+        let Some(next) = next else { break };
+        (better, side) = next;
+    }
+    if side.depth > R::splat(0.0) {
+        *four = better;
+    }
+}
+
+/// A side of a polygon, seen from a place.
+struct Side<R> {
+    from: Vec3<R>,
+    /// Unit vector.
+    outwards: Vec3<R>,
+    /// How far the place is inside of it \[m\].
+    depth: R,
+}
+
+/// The side of points in a plane that is nearest to a place, or that the place is furthest beyond.
+fn nearest_side<R: Scalar>(
+    corners: [Vec3<R>; MAX_MANIFOLD_POINTS],
+    place: Vec3<R>,
+    normal: Vec3<R>,
+) -> Option<Side<R>> {
+    let mut nearest: Option<Side<R>> = None;
+    for (i, from) in corners.into_iter().enumerate() {
+        for (j, to) in corners.into_iter().enumerate() {
+            let out = (to - from).cross(normal);
+            let is_inside = |k: usize| k == i || k == j || out.dot(corners[k] - from) <= R::splat(0.0);
+            let length = out.dot(out).sqrt();
+            if length <= R::splat(0.0) || !(0..MAX_MANIFOLD_POINTS).all(is_inside) {
+                continue;
+            }
+            let outwards = out * (R::splat(1.0) / length);
+            let depth = -outwards.dot(place - from);
+            if nearest.as_ref().is_none_or(|nearest| depth < nearest.depth) {
+                nearest = Some(Side { from, outwards, depth });
+            }
+        }
+    }
+    nearest
 }
 
 /// Few points may have none of many that is as near as `level` among them; then the nearest takes
@@ -169,4 +265,81 @@ fn best<R: Scalar>(count: usize, left_out: impl Fn(usize) -> bool, score: impl F
         }
     }
     best.map_or(0, |(index, _)| index)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::support_map::Vector;
+
+    /// Corners of a polygon in a unit circle, of which a line has cut a part off: at which height
+    /// it cuts, and its corners as parts of a turn.
+    fn cut_polygon(cut: f64, mut turns: Vec<f64>) -> Vec<Vector> {
+        turns.sort_by(f64::total_cmp);
+        let corners: Vec<_> = turns.iter().map(|turn| (TAU * turn).sin_cos()).collect();
+        let mut left = Vec::new();
+        for (index, &(x, z)) in corners.iter().enumerate() {
+            let (next_x, next_z) = corners[(index + 1) % corners.len()];
+            if x <= cut {
+                left.push(Vector::new(x, 0.0, z));
+            }
+            if (x <= cut) != (next_x <= cut) {
+                left.push(Vector::new(cut, 0.0, z + (next_z - z) * (cut - x) / (next_x - x)));
+            }
+        }
+        left
+    }
+
+    /// How far a place is inside of the convex hull of points in the plane y = 0.
+    fn depth(points: &[Vector], place: Vector) -> f64 {
+        let directions = (0..360).map(|k| (TAU * f64::from(k) / 360.0).sin_cos());
+        let reach = |(x, z): (f64, f64)| {
+            points.iter().map(|point| (*point - place).dot(Vector::new(x, 0.0, z))).fold(f64::NEG_INFINITY, f64::max)
+        };
+        directions.map(reach).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The same of any four of the points, at best.
+    fn depth_of_four(points: &[Vector], place: Vector) -> f64 {
+        let mut best = f64::NEG_INFINITY;
+        let fours = (0..points.len()).flat_map(|a| (0..a).flat_map(move |b| (0..b).map(move |c| [a, b, c])));
+        for [a, b, c] in fours {
+            for d in 0..c {
+                best = best.max(depth(&[a, b, c, d].map(|index| points[index]), place));
+            }
+        }
+        best
+    }
+
+    fn chosen(points: &[Vector], separations: &[f64], middle: Vector) -> Vec<Vector> {
+        let candidates: Vec<_> = (0..)
+            .zip(points.iter().zip(separations))
+            .map(|(feature, (position, separation))| ContactPoint { position: *position, separation: *separation, feature })
+            .collect();
+        let up = Vector::new(0.0, 1.0, 0.0);
+        let few = reduce(&candidates, Cut::Second, up, 0.02, &[middle]);
+        few.iter().map(|point| point.position).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(1000))]
+
+        #[test]
+        fn a_middle_is_held_as_well_as_four_points_can(
+            cut in 0.05_f64..0.6,
+            turns in proptest::collection::vec(0.0_f64..1.0, 6..14),
+            separations in proptest::collection::vec(-2e-4_f64..2e-4, 32),
+        ) {
+            let points = cut_polygon(cut, turns);
+            let middle = Vector::zero();
+            let best = if points.len() > 4 { depth_of_four(&points, middle) } else { 0.0 };
+            prop_assume!(best > 0.01);
+            let held = depth(&chosen(&points, &separations, middle), middle);
+            prop_assert!(held > best.min(0.15) - 6e-3, "{held} of {best}: {points:?}");
+        }
+    }
 }

@@ -101,11 +101,12 @@ pub(crate) fn surface_and_convex<R: Scalar>(
     let memory = SCRATCH.take().unwrap_or_default();
     let mut over = Over { surface, shape, layer, margin, small: margin, spare: None, memory };
     over.find();
+    let middle = over.shape.place(over.shape.second.middle());
     let Scratch { hits, spare, .. } = &mut *over.memory;
     if hits.list.is_empty() && over.spare.is_some() {
         std::mem::swap(&mut hits.list, spare);
     }
-    hits.collect(margin, &mut |part, manifold| {
+    hits.collect(margin, middle, &mut |part, manifold| {
         let manifold =
             manifold.seen(|point| surface_at.to_world(narrow(point)), |v| surface_at.orientation.rotate(narrow(v)));
         visit(part, &manifold);
@@ -352,9 +353,11 @@ impl<S: Surface> Over<'_, S> {
             return manifold_of(shapes, way, layers, margin);
         };
         let below = piece.seen(|point| shapes.place(point), |v| shapes.turn(v));
+        let middles = [shapes.place(shapes.second.middle()); 2];
         let face_clipping = FaceClipping { normal, separation, layers, margin };
         let nearest = on_first + normal * (0.5 * separation);
-        face_clipping.manifold_of::<3, 4, SMALL>(&face(&corners, normal_of(&corners), normal), &below, nearest, lead)
+        let face = face(&corners, normal_of(&corners), normal);
+        face_clipping.manifold_of::<3, 4, SMALL>(&face, &below, nearest, lead, middles)
     }
 
     /// The side or corner that an approach goes out from, unless it goes out from the face or

@@ -40,8 +40,9 @@ pub(crate) struct Hits {
 }
 
 impl Hits {
-    /// Puts hits of a part together and shows the few that hold as all of them would.
-    pub(crate) fn collect(&mut self, margin: f64, visit: &mut dyn FnMut(u32, &Manifold<f64>)) {
+    /// Puts hits of a part together and shows the few that hold a shape, whose middle is given, as
+    /// all of them would.
+    pub(crate) fn collect(&mut self, margin: f64, middle: Vector, visit: &mut dyn FnMut(u32, &Manifold<f64>)) {
         let Self { list, faces, points } = self;
         faces.clear();
         faces.extend(list.iter().filter(|hit| hit.beside.is_none()).map(|hit| (hit.part, hit.normal)));
@@ -70,7 +71,10 @@ impl Hits {
                 points.add(&hit.point);
             }
             let points = points.points.as_slice();
-            let mut few = if points.is_empty() { Points::none() } else { reduce(points, Cut::Second, normal, margin) };
+            let mut few = match points {
+                [] => Points::none(),
+                points => reduce(points, Cut::Second, normal, margin, &[middle]),
+            };
             keep_nearest(&mut few, points, as_near(points, margin), normal);
             visit(hits[0].part, &Manifold::new(normal, carried, few));
         }
