@@ -187,7 +187,8 @@ fn parts(q: Quat<f64>, i: usize, j: usize) -> ([f64; 3], f64, f64) {
 /// An angle brought to -pi to pi.
 pub(crate) fn wrapped(angle: f64) -> f64 {
     use std::f64::consts::TAU;
-    angle - TAU * (angle / TAU).round()
+    // Most need no turn, and rounding is a call of a function.
+    if angle.abs() < 3.0 { angle } else { angle - TAU * (angle / TAU).round() }
 }
 
 /// How far an axis is out of an elliptic cone about the first of three axes \[rad\], and about what

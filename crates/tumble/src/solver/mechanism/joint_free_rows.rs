@@ -70,10 +70,10 @@ impl JointRows {
         if self.free_rows.is_empty() {
             return;
         }
-        let speeds = self.speeds(bodies);
-        let speeds = speeds.as_flattened();
+        let speeds = is_first.then(|| self.speeds(bodies));
+        let speeds = speeds.as_ref().map(|speeds| speeds.as_flattened());
         for (row, it) in (self.locked..).zip(&mut self.free_rows) {
-            it.prepare(phase, time, is_first.then_some(speeds[row]));
+            it.prepare(phase, time, speeds.map(|speeds| speeds[row]));
         }
         self.update_slip(phase);
         self.update_bounds();
@@ -174,8 +174,12 @@ impl JointRows {
 
     /// Whether a row is of a free axis along which no impulse depends on the speed.
     pub(crate) fn is_off(&self, row: usize) -> bool {
-        let law = row.checked_sub(self.locked).and_then(|row| self.free_rows.get(row));
-        law.is_some_and(|law| law.constant.is_some())
+        self.off_rows().any(|off| off == row)
+    }
+
+    /// Those rows.
+    pub(super) fn off_rows(&self) -> impl Iterator<Item = usize> + '_ {
+        (self.locked..).zip(&self.free_rows).filter(|(_, law)| law.constant.is_some()).map(|(row, _)| row)
     }
 
     /// Whether a twist, a cone or a distance acts beside another free axis, on which it may depend.

@@ -418,8 +418,10 @@ impl JointRows {
             speeds[0] = row_of(apart, 0.0);
             first = 3;
         }
-        for (row, speed) in speeds.as_flattened_mut().iter_mut().enumerate().take(self.count).skip(first) {
-            *speed = self.linear[row].dot(apart) + vector(&self.angular[row]).dot(turn);
+        let numbers = &mut speeds.as_flattened_mut()[first..self.count];
+        let directions = self.linear[first..].iter().zip(&self.angular[first..]);
+        for (speed, (linear, angular)) in numbers.iter_mut().zip(directions) {
+            *speed = linear.dot(apart) + vector(angular).dot(turn);
         }
         speeds
     }
@@ -427,7 +429,8 @@ impl JointRows {
     /// Of the second body against the first where they are pushed, linear and angular.
     #[inline]
     pub(crate) fn relative_velocity(&self, velocities: impl Fn(usize) -> [Vec3<f64>; 2]) -> [Vec3<f64>; 2] {
-        velocity_apart(self.bodies.map(velocities), self.arms())
+        let [first, second] = self.bodies;
+        velocity_apart([velocities(first), velocities(second)], self.arms())
     }
 
     /// The impulse and the angular impulse on the second body of impulses along the rows.

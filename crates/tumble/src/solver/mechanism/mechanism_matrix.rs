@@ -153,9 +153,11 @@ pub(crate) fn couplings(
 }
 
 impl MechanismSolver {
-    /// Sets and factors the matrix.
+    /// Sets and factors the matrix, unless it is that of what there is already.
     pub(super) fn factor(&mut self) {
-        dispatch_fours(Factor { solver: self });
+        if !self.is_touched || self.made_of.take_laws(&self.bodies, &self.joints, &self.matrix) {
+            dispatch_fours(Factor { solver: self });
+        }
     }
 
     #[inline(always)]
@@ -184,13 +186,10 @@ impl MechanismSolver {
                 let factors = (factors, coupling.adds, false);
                 set_coupling::<T>(of_row, of_column, factors, numbers, [row.count, column.count]);
             }
-            if !(row.free_rows.is_empty() && column.free_rows.is_empty()) {
-                for place in 0..row.count * column.count {
-                    let (i, j) = (place / column.count, place % column.count);
-                    if row.is_off(i) || column.is_off(j) {
-                        numbers[i * fours(column.count) + j / 4][j % 4] = 0.0;
-                    }
-                }
+            let width = fours(column.count);
+            row.off_rows().for_each(|i| numbers[i * width..][..width].fill([0.0; 4]));
+            for j in column.off_rows() {
+                (0..row.count).for_each(|i| numbers[i * width + j / 4][j % 4] = 0.0);
             }
         }
     }

@@ -207,7 +207,10 @@ impl MechanismSolver {
 
     /// Sets the rows to where the bodies are.
     pub(crate) fn update_rows(&mut self) {
-        dispatch_fours(UpdateRows { solver: self });
+        // What nothing touches has moved since.
+        if !self.is_touched || self.made_of.take_poses(&self.bodies) {
+            dispatch_fours(UpdateRows { solver: self });
+        }
         self.soften();
     }
 

@@ -11,6 +11,7 @@ use crate::solver::mechanism::body_passes::{drift, follow, take_loads};
 use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::joint_free_rows::has_distance;
 use crate::solver::mechanism::joint_rows::JointRows;
+use crate::solver::mechanism::matrix_inputs::MatrixInputs;
 use crate::solver::mechanism::mechanism_body::{MechanismBody, SavedBody};
 use crate::solver::mechanism::mechanism_matrix::{Coupling, RowColumns, arranged, couplings};
 use crate::solver::mechanism::mechanism_rows::{Impulses, alike};
@@ -37,6 +38,8 @@ pub(crate) struct MechanismSolver {
     /// The same of each four joints, one after the other in the order of elimination.
     pub(super) alike_fours: Vec<Option<Rotations>>,
     pub(super) matrix: BlockLdl,
+    /// What the rows and the matrix were last made of.
+    pub(super) made_of: MatrixInputs,
     pub(super) couplings: Vec<Coupling>,
     /// Blocks of joints that share no body.
     pub(super) filled: Vec<usize>,
@@ -150,6 +153,7 @@ impl MechanismSolver {
             saved: Vec::with_capacity(moves.len()),
             velocities: vec![[Vec3::zero(); 2]; moves.len()],
             pushed: vec![[Vec3::zero(); 2]; moves.len()],
+            made_of: MatrixInputs::default(),
             joints: ordered,
             matrix,
             couplings,
@@ -185,6 +189,7 @@ impl MechanismSolver {
     pub(crate) fn begin(&mut self) {
         let Self { joints, bodies, .. } = self;
         joints.iter_mut().for_each(|joint| joint.begin_step(bodies));
+        self.made_of.forget();
         self.is_first = true;
         self.bend.fill([0.0; 4]);
         if self.has_free_rows {

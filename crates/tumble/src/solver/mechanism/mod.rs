@@ -19,6 +19,7 @@ mod joint_free_rows;
 pub(crate) mod joint_potential;
 pub(crate) mod joint_rows;
 mod joint_values;
+mod matrix_inputs;
 pub(crate) mod mechanism_body;
 mod mechanism_free_rows;
 mod mechanism_matrix;
