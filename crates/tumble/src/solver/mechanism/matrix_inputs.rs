@@ -14,9 +14,10 @@ pub(super) struct MatrixInputs {
     poses: Vec<[Four; 2]>,
     /// By body, inverse inertia in the world.
     inertia: Vec<[Four; 2]>,
-    /// Of rows along free axes, their softness, and whether they are out of the matrix; then the
-    /// softness of each node.
-    laws: Vec<(f64, bool)>,
+    /// Of rows along free axes their softness, infinite where they are out of the matrix.
+    laws: Vec<[f64; 1]>,
+    /// Of each node, where rows may depend.
+    softness: Vec<[f64; 1]>,
     /// Whether the matrix is of these rows.
     is_factored: bool,
 }
@@ -30,45 +31,56 @@ impl MatrixInputs {
 
     /// Whether rows have to be set, as bodies are elsewhere than when they were.
     pub(super) fn take_poses(&mut self, bodies: &[MechanismBody]) -> bool {
-        let poses = bodies.iter().map(|body| [body.translation, body.orientation]);
-        let is_changed = replace(&mut self.poses, poses);
+        let is_changed = take(&mut self.poses, bodies.iter().map(|body| [body.translation, body.orientation]));
         self.is_factored &= !is_changed;
         is_changed
     }
 
     /// Whether the matrix has to be set and factored.
     pub(super) fn take_laws(&mut self, bodies: &[MechanismBody], joints: &[JointRows], matrix: &BlockLdl) -> bool {
-        let of_rows = joints.iter().flat_map(|joint| &joint.free_rows).map(|row| (row.gamma, row.constant.is_some()));
-        let of_nodes = (0..joints.len()).map(|node| (matrix.softness(node), false));
-        let is_changed = [
-            replace(&mut self.inertia, bodies.iter().map(|body| body.inverse_inertia)),
-            replace(&mut self.laws, of_rows.chain(of_nodes)),
-            !self.is_factored,
-        ];
+        let rows = joints.iter().flat_map(|joint| &joint.free_rows);
+        let of_rows = rows.map(|row| [if row.constant.is_some() { f64::INFINITY } else { row.gamma }]);
+        let nodes = if matrix.may_depend() { joints.len() } else { 0 };
+        let is_changed = take(&mut self.inertia, bodies.iter().map(|body| body.inverse_inertia))
+            | take(&mut self.laws, of_rows)
+            | take(&mut self.softness, (0..nodes).map(|node| [matrix.softness(node)]))
+            | !self.is_factored;
         self.is_factored = true;
-        is_changed.contains(&true)
+        is_changed
     }
 }
 
-/// Puts items in the place of others; returns whether they differ.
-fn replace<T: PartialEq + Copy>(old: &mut Vec<T>, new: impl Iterator<Item = T>) -> bool {
-    let mut count = 0;
-    let mut is_changed = false;
+/// Numbers, or fours of them, that are compared bit by bit.
+trait Numbers: Copy {
+    fn differing_bits(self, other: Self) -> u64;
+}
+
+impl Numbers for f64 {
+    fn differing_bits(self, other: Self) -> u64 {
+        self.to_bits() ^ other.to_bits()
+    }
+}
+
+impl<T: Numbers, const N: usize> Numbers for [T; N] {
+    fn differing_bits(self, other: Self) -> u64 {
+        self.into_iter().zip(other).fold(0, |bits, (a, b)| bits | a.differing_bits(b))
+    }
+}
+
+/// Takes items in the place of others; returns whether they differ.
+fn take<T: Numbers>(old: &mut Vec<T>, new: impl Iterator<Item = T>) -> bool {
+    let (mut count, mut differing) = (0, 0);
     for item in new {
         match old.get_mut(count) {
-            Some(slot) if *slot == item => {}
-            Some(slot) => {
-                *slot = item;
-                is_changed = true;
-            }
+            Some(slot) => differing |= std::mem::replace(slot, item).differing_bits(item),
             None => {
                 old.push(item);
-                is_changed = true;
+                differing = 1;
             }
         }
         count += 1;
     }
-    is_changed |= count != old.len();
+    let is_shorter = count < old.len();
     old.truncate(count);
-    is_changed
+    differing != 0 || is_shorter
 }
