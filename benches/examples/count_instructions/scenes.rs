@@ -4,8 +4,8 @@ use hecs::World;
 use tumble::math::Vec3;
 use tumble::{Batch, Ledger, QueryFilter, Settings, Simulation, Trial, simd_name};
 use tumble_benches::{
-    HillBodies, HillGround, JointKind, arm, attracting_points, chain, eight_boxes, falling_balls, hills, net_of_springs,
-    pyramid, ragdolls, rays_through_boxes, scattered_boxes, tumbling_boxes,
+    HillBodies, HillGround, JointKind, arm, attracting_points, chain, eight_boxes, falling_balls, hills,
+    net_of_springs, pyramid, ragdolls, rays_through_boxes, scattered_boxes, tumbling_boxes,
 };
 
 use crate::Failure;

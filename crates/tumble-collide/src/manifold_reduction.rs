@@ -318,7 +318,11 @@ mod tests {
     fn chosen(points: &[Vector], separations: &[f64], middle: Vector) -> Vec<Vector> {
         let candidates: Vec<_> = (0..)
             .zip(points.iter().zip(separations))
-            .map(|(feature, (position, separation))| ContactPoint { position: *position, separation: *separation, feature })
+            .map(|(feature, (position, separation))| ContactPoint {
+                position: *position,
+                separation: *separation,
+                feature,
+            })
             .collect();
         let up = Vector::new(0.0, 1.0, 0.0);
         let few = reduce(&candidates, Cut::Second, up, 0.02, &[middle]);

@@ -21,6 +21,7 @@ mod ghosts;
 mod held_by_friction;
 mod hits;
 mod kept_layout;
+mod lost_loads;
 mod oblique_bounce;
 #[path = "../shared/pile/mod.rs"]
 mod pile;

@@ -4,11 +4,11 @@
 //! Why: sleep is state of the simulation beside the bodies; what a snapshot forgets of it shows a
 //! second later.
 
-use hecs::World;
+use hecs::{Entity, World};
 use tumble::prelude::*;
 use tumble::{Batch, BodyOrder, Trial, state_hash};
 use tumble_tests::touching::{collider, spawn};
-use tumble_tests::{Draw, cases, vec3};
+use tumble_tests::{Draw, cases, run, vec3};
 
 use crate::sleep::{asleep, heap, sleeping};
 
@@ -57,6 +57,40 @@ fn rewinds_are_exact() {
             disturbed(&mut other, &mut fresh, step..300);
             assert_eq!((hash(&other), asleep(&fresh)), there, "case {case}, step {step}, {asleep_then} asleep");
         }
+    }
+}
+
+/// A box that another mass or scale of gravity has woken falls asleep in the same step, also where
+/// the first step after it was taken back.
+#[test]
+fn what_weighs_otherwise_falls_asleep_at_the_same_time_after_a_rewind() {
+    let changes: [fn(&mut World, Entity); 2] = [
+        |world, body| *world.get::<&mut Mass>(body).unwrap() = Mass::new(2.0).unwrap(),
+        |world, body| world.insert_one(body, GravityScale(0.7)).unwrap(),
+    ];
+    for change in changes {
+        let mut world = World::new();
+        spawn_ground(&mut world);
+        let body = RigidBody::new(Shape::cuboid([0.5; 3])).mass(1.0).position(Vec3::Y * 0.5).build().unwrap();
+        let body = body.spawn(&mut world);
+        let mut simulation = Simulation::new(sleeping()).unwrap();
+        run(&mut simulation, &mut world, 90);
+        assert_eq!(asleep(&simulation), 1);
+        change(&mut world, body);
+        simulation.step(&mut world);
+        let snapshot = simulation.snapshot(&world).unwrap();
+        let mut asleep_by_step = || -> Vec<usize> {
+            let mut step = || {
+                simulation.step(&mut world);
+                asleep(&simulation)
+            };
+            let by_step = (0..90).map(|_| step()).collect();
+            simulation.restore(&snapshot, &mut world).unwrap();
+            by_step
+        };
+        let first = asleep_by_step();
+        assert_eq!((first[0], first[89]), (0, 1));
+        assert_eq!(asleep_by_step(), first);
     }
 }
 

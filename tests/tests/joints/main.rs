@@ -31,3 +31,4 @@ mod locked_joints;
 mod lying_figures;
 #[path = "../shared/mechanisms/mod.rs"]
 mod mechanisms;
+mod pressed_mechanisms;

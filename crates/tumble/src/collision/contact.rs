@@ -191,11 +191,22 @@ impl ContactRecord {
         (self.kind, self.part, self.touched) = (kind, 0, false);
         (self.closing_speed, self.total_impulse, self.earlier_impulse) = (0.0, 0.0, 0.0);
         self.core_radius = 0.0;
+        self.drop_impulses();
         let impulses = &mut self.normal_impulses;
-        (impulses.at_points, impulses.steady) = ([0.0; MAX_MANIFOLD_POINTS], 1.0);
-        (impulses.static_friction, impulses.dynamic_friction) = (0.0, 0.0);
-        (self.friction.linear, self.friction.angular) = (Vec3::zero(), Vec3::zero());
+        (impulses.steady, impulses.static_friction, impulses.dynamic_friction) = (1.0, 0.0, 0.0);
         self.set_halvings(0);
+    }
+
+    /// Has the next step begin without the impulses of the last.
+    pub(crate) fn drop_impulses(&mut self) {
+        self.normal_impulses.at_points = [0.0; MAX_MANIFOLD_POINTS];
+        (self.friction.linear, self.friction.angular) = (Vec3::zero(), Vec3::zero());
+    }
+
+    /// Has the next step begin with a part of the impulses of the last.
+    pub(crate) fn keep_of_impulses(&mut self, part: Real) {
+        self.normal_impulses.at_points.iter_mut().for_each(|impulse| *impulse *= part);
+        (self.friction.linear, self.friction.angular) = (self.friction.linear * part, self.friction.angular * part);
     }
 
     /// Says what the surfaces are like.

@@ -152,6 +152,8 @@ impl CollisionPipeline {
                     }
                     if is_pulled || rest.differs(&chunk, row) || is_pushed(&chunk, row) {
                         disturbed.push(*slot);
+                        // As a snapshot has it, after which it would not differ once more.
+                        rest.weight = weight_of(&chunk, row);
                     }
                     continue;
                 }

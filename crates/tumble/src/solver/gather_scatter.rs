@@ -37,6 +37,8 @@ pub(crate) struct Constraints<'a> {
     pub(crate) bodies: &'a mut ConstrainedBodies,
     pub(crate) contacts: &'a mut ContactSet,
     pub(crate) mechanisms: &'a mut Mechanisms,
+    /// Whether springs or gravity act between bodies.
+    pub(crate) have_pair_forces: bool,
 }
 
 /// Reads the constrained bodies, and the forces on them as they are now, into rows from these on:
@@ -45,7 +47,7 @@ pub(crate) struct Constraints<'a> {
 /// Contacts of bodies under forces out of range are dropped, and those bodies are no longer
 /// constrained.
 pub(crate) fn gather(
-    Constraints { bodies: constrained, contacts, mechanisms }: &mut Constraints<'_>,
+    Constraints { bodies: constrained, contacts, mechanisms, .. }: &mut Constraints<'_>,
     body_index: &BodyIndex,
     columns: &mut WorldColumns<'_>,
     (settings, laws, time): ForceInputs<'_>,

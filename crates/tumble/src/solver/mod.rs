@@ -17,4 +17,5 @@ pub(crate) mod multi_world;
 pub(crate) mod solver_bodies;
 pub(crate) mod stack_stiffness;
 pub(crate) mod stages;
+pub(crate) mod stale_impulses;
 pub(crate) mod substeps;

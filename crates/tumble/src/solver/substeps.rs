@@ -19,6 +19,7 @@ use crate::solver::mechanism::mechanisms::Mechanisms;
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
 use crate::solver::stack_stiffness::Stacks;
 use crate::solver::stages::{ContactConstraints, SolverStage};
+use crate::solver::stale_impulses::drop_stale_impulses;
 use crate::storage::body_index::BodyIndex;
 use crate::storage::world_columns::WorldColumns;
 
@@ -107,9 +108,15 @@ impl Solver {
         let SolverGroup { bodies, contact_works, rounds, ball_collisions, contacts: all, direct, joints, .. } = group;
         let results = (&mut *bodies, contact_works);
         let next_rows = gather(constraints, body_index, columns, inputs, results, first_rows);
-        let Constraints { bodies: constrained, contacts, mechanisms } = constraints;
+        let Constraints { bodies: constrained, contacts, mechanisms, have_pair_forces } = constraints;
+        let settings = inputs.0;
+        if !*have_pair_forces {
+            let (records, most) = (&mut contacts.records, impact_speed(settings));
+            let jointed = mechanisms.list.pairs().flatten().filter_map(|slot| constrained.row(slot));
+            drop_stale_impulses(records, constrained, bodies, jointed, most);
+        }
         let (constrained, first) = (&**constrained, all.len() as u32);
-        let (settings, _, begin) = inputs;
+        let begin = inputs.2;
         let passes = (settings.joint_solver, &mut *joints);
         let middle = begin + 0.5 * f64::from(settings.substep());
         mechanisms.gather((constrained, contacts), body_index, columns, bodies, passes, middle);
@@ -151,7 +158,7 @@ impl Solver {
         self.reset(constraints.bodies.counts());
         let first_rows = self.first_rows();
         self.add_world(&mut constraints, body_index, columns, inputs, first_rows);
-        let Constraints { bodies, contacts, mechanisms } = constraints;
+        let Constraints { bodies, contacts, mechanisms, .. } = constraints;
         let [dynamic, _] = bodies.counts();
         let settings = inputs.0;
         mechanisms.advance_untouched(settings.contact_substeps_each(), settings.contact_substep());

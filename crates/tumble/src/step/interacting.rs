@@ -127,10 +127,11 @@ fn solve_together(
     let counts = worlds.iter().map(|it| it.interactions.constrained.counts());
     multi_world.begin(counts.fold([0; 2], |[a, b], [c, d]| [a + c, b + d]));
     for InteractingWorld { columns, settings, laws, interactions, clock } in &mut *worlds {
-        let Interactions { collision, constrained, mechanisms, .. } = &mut **interactions;
+        let Interactions { collision, constrained, mechanisms, pairs, .. } = &mut **interactions;
         if let Some(collision) = collision {
             let inputs = (*settings, *laws, time_of(clock, settings, index));
-            let constraints = Constraints { bodies: constrained, contacts: &mut collision.contacts, mechanisms };
+            let (contacts, have_pair_forces) = (&mut collision.contacts, pairs.is_some());
+            let constraints = Constraints { bodies: constrained, contacts, mechanisms, have_pair_forces };
             multi_world.add(constraints, &collision.body_index, columns, inputs);
         }
     }
@@ -243,12 +244,13 @@ impl<'a> InteractingWorld<'a> {
 
     /// Advances the constrained bodies over a substep.
     pub(crate) fn solve(&mut self, index: SubstepIndex) {
-        let Interactions { collision, constrained, solver, mechanisms, .. } = &mut *self.interactions;
+        let Interactions { collision, constrained, solver, mechanisms, pairs, .. } = &mut *self.interactions;
         if let Some(collision) = collision.as_mut().filter(|_| !constrained.is_empty()) {
             crate::scope::scope!("tumble::solve");
             let inputs = (self.settings, self.laws, time_of(&self.clock, self.settings, index));
             let mut taken = solver.take().unwrap_or_default();
-            let constraints = Constraints { bodies: constrained, contacts: &mut collision.contacts, mechanisms };
+            let (contacts, have_pair_forces) = (&mut collision.contacts, pairs.is_some());
+            let constraints = Constraints { bodies: constrained, contacts, mechanisms, have_pair_forces };
             taken.solve_world(constraints, &collision.body_index, &mut self.columns, inputs);
             self.scatter(&taken);
             self.interactions.solver = Some(taken);

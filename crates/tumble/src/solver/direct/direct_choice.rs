@@ -7,12 +7,15 @@
 //! ground, is in a heap: all its contacts are in passes. So are those of one that lies on many rows
 //! under loads that passes carry. So are those of two of its own bodies: where joints keep what
 //! overlaps from parting, the impulses that would part it have no bound, and in passes they are
-//! those of the two bodies alone.
+//! those of the two bodies alone. And so are all contacts of a mechanism that kinematic bodies and the
+//! ground press together, or that a hand presses against something: these contradict each other.
 
 use std::ops::Range;
 
+use tumble_math::lane::Vec3;
+
 use crate::collision::contact::ContactRecord;
-use crate::math::Real;
+use crate::math::{Real, double};
 use crate::solver::direct::contact_problem::ContactShape;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
@@ -22,6 +25,11 @@ use crate::solver::substeps::GroupContact;
 const MAX_ROWS: usize = 64;
 /// As few rows are direct whatever they carry.
 const FEW_ROWS: usize = 24;
+/// What comes nearer by less than this part of how fast it moves presses nothing together.
+const PRESSES: f64 = 0.01;
+/// What overlaps on opposite sides by more than this part of a body's least radius of gyration is
+/// jammed.
+const JAMMED: f64 = 0.05;
 /// How far the load of a body that lies presses it in passes, at most, of its least radius of
 /// gyration.
 const MAX_SAG: f64 = 0.1;
@@ -54,6 +62,28 @@ pub(crate) struct DirectChoice {
     waiting: Vec<u32>,
     /// Those that are, as places in the group, in its order.
     pub(crate) chosen: Vec<u32>,
+    /// Free bodies that have joined the mechanism.
+    joined: Vec<SolverRow>,
+}
+
+/// How what is not dynamic pushes a body.
+#[derive(Clone, Copy)]
+struct Push {
+    from: SolverRow,
+    /// Away from it, unit vector.
+    along: Vec3<f64>,
+    /// Of its surface \[m/s\].
+    velocity: Vec3<f64>,
+    /// Of the body's least radius of gyration.
+    overlap: f64,
+}
+
+impl Push {
+    /// Whether it comes nearer to what holds the body beyond, at this velocity.
+    fn approaches(&self, velocity: Vec3<f64>) -> bool {
+        let fast = self.velocity.dot(self.velocity).sqrt() + velocity.dot(velocity).sqrt();
+        self.along.dot(self.velocity - velocity) > PRESSES * fast
+    }
 }
 
 /// The contacts of a group, and the bodies between which they are.
@@ -80,6 +110,23 @@ impl<'a> Candidates<'a> {
     /// Along the normal, in the substep before \[N s\].
     fn load(self, place: u32) -> Real {
         self.record(place).normal_impulses.at_points.iter().sum()
+    }
+
+    /// How what is not dynamic pushes at a contact, if anything is not.
+    fn push(self, place: u32) -> Option<Push> {
+        let Self { contacts, bodies, .. } = self;
+        let [from, to] = contacts[place as usize].rows;
+        if bodies.is_dynamic(from) || !bodies.is_dynamic(to) {
+            return None;
+        }
+        let (record, motion) = (self.record(place), &bodies.motion[from.index()]);
+        let [linear, angular, along, arm] =
+            [motion.momentum, motion.angular_momentum, record.geometry.normal, bodies.center(to) - bodies.center(from)]
+                .map(|v| Vec3::from(double(v)));
+        let least = (0..record.count()).map(|j| record.separation(j)).fold(0.0, Real::min);
+        let radius = bodies.least_radius(to);
+        let overlap = if radius > 0.0 { -f64::from(least) / radius } else { 0.0 };
+        Some(Push { from, along, velocity: linear + angular.cross(arm), overlap })
     }
 
     /// How many rows a contact takes at most.
@@ -153,6 +200,7 @@ impl DirectChoice {
     pub(crate) fn choose(&mut self, of: Candidates<'_>, mechanism: u32, bodies: &[MechanismBody]) {
         self.waiting.clear();
         self.chosen.clear();
+        self.joined.clear();
         bodies.iter().filter(|body| body.is_moved()).for_each(|body| self.wait_for(body.row));
         self.waiting.sort_unstable();
         self.waiting.dedup();
@@ -174,13 +222,45 @@ impl DirectChoice {
                 Lack::Other => false,
             });
             self.waiting = waiting;
+            if self.are_pressed(of, bodies) {
+                self.give_back(of);
+                return;
+            }
             // The most loaded is the next.
             let next = self.waiting.first().filter(|place| of.rows(**place) <= left);
             let Some(Lack::Body(row)) = next.map(|place| self.lacks(of, *place, mechanism)) else { break };
             self.owners[row.index()] = Some(Owner { mechanism, body: None });
+            self.joined.push(row);
             self.wait_for(row);
         }
         self.chosen.sort_unstable();
+    }
+
+    /// Whether chosen contacts, or one and a joint of the mechanism, press bodies together.
+    fn are_pressed(&self, of: Candidates<'_>, bodies: &[MechanismBody]) -> bool {
+        let pushes = || self.chosen.iter().filter_map(|place| of.push(*place));
+        let held = || bodies.iter().filter(|body| !body.is_moved());
+        pushes().any(|push| {
+            // What overlaps on one side only is not jammed.
+            let is_opposed = |other: Push| {
+                let is_jammed = push.overlap.min(other.overlap) > JAMMED;
+                other.along.dot(push.along) < 0.0
+                    && (is_jammed || other.from != push.from && push.approaches(other.velocity))
+            };
+            let is_held_by = |body: &MechanismBody| {
+                body.row != push.from && (push.overlap > JAMMED || push.approaches(body.linear_velocity()))
+            };
+            pushes().any(is_opposed) || held().any(is_held_by)
+        })
+    }
+
+    /// Gives the chosen contacts and the bodies that joined back.
+    fn give_back(&mut self, of: Candidates<'_>) {
+        for place in self.chosen.drain(..) {
+            self.is_direct[place as usize] = false;
+            self.is_number_direct[of.contacts[place as usize].number as usize] = false;
+        }
+        self.joined.drain(..).for_each(|row| self.owners[row.index()] = None);
     }
 
     /// Whether a mechanism has more rows on the ground than the budget, or more on others.

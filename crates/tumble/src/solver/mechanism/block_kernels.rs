@@ -156,7 +156,7 @@ const DEPENDENT: f64 = 1e5;
 /// half below its diagonal. A row without response, as of bodies that do not turn, gets none.
 /// Returns whether a row depends on others.
 #[inline(always)]
-fn invert(a: &mut [Four], raised: &[Four], n: usize) -> bool {
+pub(super) fn invert(a: &mut [Four], raised: &[Four], n: usize) -> bool {
     let w = fours(n);
     let (a, raised) = (&mut a[..n * w], &raised[..w]);
     let mut is_dependent = false;

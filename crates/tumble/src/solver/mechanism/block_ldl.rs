@@ -2,9 +2,10 @@
 
 use crate::simd::{Four, FourKernel, FourLane, dispatch_fours};
 use crate::solver::mechanism::block_kernels::{
-    MAX_ROWS, backward, fours, invert_sized, multiply, product, sized, subtract_columns, subtract_transposed,
+    MAX_ROWS, backward, fours, invert, invert_sized, multiply, product, sized, subtract_columns, subtract_transposed,
     subtract_transposed_square, transpose, unrolled,
 };
+use crate::solver::mechanism::block_layout::Layout;
 use crate::solver::mechanism::elimination::Elimination;
 
 /// The matrix of a mechanism's rows, block by block: a node has the rows of a joint.
@@ -62,54 +63,27 @@ struct Softness {
     from: usize,
 }
 
-/// Where the numbers of nodes and blocks are. Where all nodes have the same number of rows, and
-/// that is a constant, it follows from their place alone.
-#[derive(Clone, Copy)]
-struct Layout<'a> {
-    uniform: usize,
-    sizes: &'a [usize],
-    starts: &'a [usize],
-    diagonal_starts: &'a [usize],
-    block_starts: &'a [usize],
-    transposed_starts: &'a [usize],
-}
-
-impl Layout<'_> {
-    #[inline(always)]
-    fn size(self, node: usize) -> usize {
-        if self.uniform == 0 { self.sizes[node] } else { self.uniform }
-    }
-
-    #[inline(always)]
-    fn start(self, node: usize) -> usize {
-        if self.uniform == 0 { self.starts[node] } else { node * fours(self.uniform) }
-    }
-
-    #[inline(always)]
-    fn diagonal(self, node: usize) -> usize {
-        if self.uniform == 0 { self.diagonal_starts[node] } else { node * self.uniform * fours(self.uniform) }
-    }
-
-    #[inline(always)]
-    fn block(self, block: usize) -> usize {
-        if self.uniform == 0 { self.block_starts[block] } else { block * self.uniform * fours(self.uniform) }
-    }
-
-    #[inline(always)]
-    fn transposed(self, block: usize) -> usize {
-        if self.uniform == 0 { self.transposed_starts[block] } else { self.block(block) }
-    }
-}
-
 /// Calls a method with the number of rows of all nodes: for those of balls, hinges and welds with a
 /// constant.
 macro_rules! uniformly {
     ($it:ident.$method:ident($($argument:expr),*)) => {
         match $it.uniform {
-            3 => $it.$method::<T>($($argument,)* 3),
-            5 => $it.$method::<T>($($argument,)* 5),
-            6 => $it.$method::<T>($($argument,)* 6),
-            _ => $it.$method::<T>($($argument,)* 0),
+            3 => $it.$method::<T, 3>($($argument,)*),
+            5 => $it.$method::<T, 5>($($argument,)*),
+            6 => $it.$method::<T, 6>($($argument,)*),
+            _ => $it.$method::<T, 0>($($argument,)*),
+        }
+    };
+}
+
+/// As [`sized`], of blocks in a [`Layout`] of `U`: one call where that is a constant, for each is
+/// compiled into the caller.
+macro_rules! laid_out {
+    ($U:ident, $kernel:ident($($argument:expr),*; $sizes:expr)) => {
+        if $U == 0 {
+            sized!($kernel($($argument),*; $sizes))
+        } else {
+            $kernel::<T>($($argument,)* [$U, $U])
         }
     };
 }
@@ -236,9 +210,9 @@ impl BlockLdl {
     }
 
     #[inline(always)]
-    fn factor_uniform<T: FourLane>(&mut self, uniform: usize) {
+    fn factor_uniform<T: FourLane, const U: usize>(&mut self) {
         let Self { elimination, sizes, starts, diagonal_starts, block_starts, transposed_starts, .. } = self;
-        let layout = Layout { uniform, sizes, starts, diagonal_starts, block_starts, transposed_starts };
+        let layout = Layout::<U> { sizes, starts, diagonal_starts, block_starts, transposed_starts };
         let Self { diagonal, blocks, weights, transposed, targets, raised, dependence, .. } = self;
         let may_depend = *dependence != Dependence::None;
         let mut targets = targets.iter();
@@ -247,7 +221,12 @@ impl BlockLdl {
             let (n, w) = (layout.size(row), fours(layout.size(row)));
             let (before, after) = diagonal.split_at_mut(layout.diagonal(row) + n * w);
             let pivot = &mut before[layout.diagonal(row)..];
-            self.has_dependent_rows |= may_depend & invert_sized(pivot, &raised[layout.start(row)..], n);
+            let depends = if U == 0 {
+                invert_sized(pivot, &raised[layout.start(row)..], n)
+            } else {
+                invert(pivot, &raised[layout.start(row)..], U)
+            };
+            self.has_dependent_rows |= may_depend & depends;
             let range = elimination.blocks_of(row);
             for block in range.clone() {
                 let column = elimination.columns[block] as usize;
@@ -256,24 +235,24 @@ impl BlockLdl {
                 let of_row = layout.block(block)..layout.block(block) + n * v;
                 let weight = &mut weights[of_row.clone()];
                 let weight_transposed = &mut transposed[layout.transposed(block)..][..m * w];
-                sized!(product(pivot, &blocks[of_row.clone()], weight; [n, m]));
-                sized!(transpose(weight, weight_transposed; [n, m]));
+                laid_out!(U, product(pivot, &blocks[of_row.clone()], weight; [n, m]));
+                laid_out!(U, transpose(weight, weight_transposed; [n, m]));
                 for before in range.start..block {
                     let Some(&target) = targets.next() else { return };
                     let k = layout.size(elimination.columns[before] as usize);
                     // The target belongs to a later row than both factors.
                     let (left, right) = blocks.split_at_mut(layout.block(target as usize));
                     let (left, right) = (&left[layout.block(before)..][..n * fours(k)], &mut right[..k * v]);
-                    if n == k {
-                        sized!(subtract_transposed_square(left, weight, right; [n, m]));
+                    if U != 0 || n == k {
+                        laid_out!(U, subtract_transposed_square(left, weight, right; [n, m]));
                     } else {
                         subtract_transposed::<T>(left, weight, right, [n, k, m]);
                     }
                 }
                 let at = layout.diagonal(column) - layout.diagonal(row) - n * w;
                 let (of_row, at) = (&blocks[of_row], &mut after[at..][..m * v]);
-                if n == m {
-                    sized!(subtract_transposed_square(of_row, weight, at; [n, m]));
+                if U != 0 || n == m {
+                    laid_out!(U, subtract_transposed_square(of_row, weight, at; [n, m]));
                 } else {
                     subtract_transposed::<T>(of_row, weight, at, [n, m, m]);
                 }
@@ -338,9 +317,9 @@ impl BlockLdl {
     }
 
     #[inline(always)]
-    fn solve_uniform<T: FourLane>(&self, x: &mut [Four], uniform: usize) {
+    fn solve_uniform<T: FourLane, const U: usize>(&self, x: &mut [Four]) {
         let Self { elimination, sizes, starts, diagonal_starts, block_starts, transposed_starts, .. } = self;
-        let layout = Layout { uniform, sizes, starts, diagonal_starts, block_starts, transposed_starts };
+        let layout = Layout::<U> { sizes, starts, diagonal_starts, block_starts, transposed_starts };
         let x = &mut x[..last(starts)];
         for row in 0..sizes.len() {
             let n = layout.size(row);
@@ -350,20 +329,20 @@ impl BlockLdl {
                 let m = layout.size(column);
                 let weight = &self.weights[layout.block(block)..][..n * fours(m)];
                 let there = &mut x[layout.start(column)..][..fours(m)];
-                sized!(subtract_columns(weight, &here, there; [n, m]));
+                laid_out!(U, subtract_columns(weight, &here, there; [n, m]));
             }
         }
         for row in (0..sizes.len()).rev() {
             let n = layout.size(row);
             let mut here = local(&x[layout.start(row)..][..fours(n)]);
             let pivot = &self.diagonal[layout.diagonal(row)..][..n * fours(n)];
-            sized!(multiply(pivot, &mut here; [n, n]));
+            laid_out!(U, multiply(pivot, &mut here; [n, n]));
             for block in elimination.blocks_of(row) {
                 let column = elimination.columns[block] as usize;
                 let m = layout.size(column);
                 let weight = &self.transposed[layout.transposed(block)..][..m * fours(n)];
                 let there = &x[layout.start(column)..][..fours(m)];
-                sized!(backward(weight, there, &mut here; [n, m]));
+                laid_out!(U, backward(weight, there, &mut here; [n, m]));
             }
             x[layout.start(row)..][..fours(n)].copy_from_slice(&here[..fours(n)]);
         }

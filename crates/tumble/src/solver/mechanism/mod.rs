@@ -6,6 +6,7 @@
 //! K. Modin, O. Verdier, M. Wilkins, "Geometric generalisations of SHAKE and RATTLE", 2014).
 
 pub(crate) mod block_kernels;
+mod block_layout;
 pub(crate) mod block_ldl;
 mod body_passes;
 pub(crate) mod contact_responses;
