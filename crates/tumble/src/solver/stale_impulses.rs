@@ -13,7 +13,7 @@ use crate::solver::solver_bodies::{SolverBodies, SolverRow};
 const HELD_BACK: Real = 0.1;
 /// What holds bodies on joints pushes all there are by no more than this number of impacts: where a
 /// joint and a contact contradict each other, every step would add to it.
-const MOST_IMPACTS: Real = 10.0;
+const MAX_IMPACTS: Real = 10.0;
 
 /// What acts on a body in a substep.
 #[derive(Clone, Copy)]
@@ -46,7 +46,7 @@ pub(crate) fn drop_stale_impulses(
     let mut is_held = vec![false; bodies.first_non_dynamic()];
     jointed.filter(|row| bodies.is_dynamic(*row)).for_each(|row| is_held[row.index()] = true);
     let mass = (0..bodies.first_non_dynamic()).map(|row| 1.0 / bodies.motion[row].inverse_mass).sum::<Real>();
-    let bound = MOST_IMPACTS * most * mass;
+    let bound = MAX_IMPACTS * most * mass;
     for contact in &mut *records {
         let is_jointed = |row: SolverRow| is_held.get(row.index()) == Some(&true);
         let load = normal_load(contact);

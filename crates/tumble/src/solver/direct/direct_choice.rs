@@ -7,8 +7,9 @@
 //! ground, is in a heap: all its contacts are in passes. So are those of one that lies on many rows
 //! under loads that passes carry. So are those of two of its own bodies: where joints keep what
 //! overlaps from parting, the impulses that would part it have no bound, and in passes they are
-//! those of the two bodies alone. And so are all contacts of a mechanism that kinematic bodies and the
-//! ground press together, or that a hand presses against something: these contradict each other.
+//! those of the two bodies alone. And so are all contacts of a mechanism that kinematic bodies and
+//! the ground press together, or that a hand presses against something: these contradict each
+//! other.
 
 use std::ops::Range;
 
