@@ -1,8 +1,8 @@
 //! Promise: what carried a heavy body stays where it is when that is despawned, however light it is
 //! and whatever is below.
 //!
-//! Why: players take things off piles. It fails if the impulses that held the load are the beginning
-//! of the next step: a light body would be thrown at hundreds of metres a second.
+//! Why: players take things off piles. It fails if the impulses that held the load are the
+//! beginning of the next step: a light body would be thrown at hundreds of metres a second.
 
 use glam::DVec3;
 use hecs::World;

@@ -24,8 +24,8 @@ struct Net {
     held_back: Real,
 }
 
-/// Drops the impulses of contacts on free bodies that would get more than a speed \[m/s\] from them,
-/// with what forces do in a substep; and then those of others that were in balance with these.
+/// Drops the impulses of contacts on free bodies that would get more than a speed \[m/s\] from
+/// them and from forces in a substep; then those of others that were in balance with these.
 /// Joints act on those that are `jointed`: of their contacts the impulses are bounded.
 pub(crate) fn drop_stale_impulses(
     records: &mut [ContactRecord],
