@@ -71,8 +71,8 @@ fn what_weighs_otherwise_falls_asleep_at_the_same_time_after_a_rewind() {
     for change in changes {
         let mut world = World::new();
         spawn_ground(&mut world);
-        let body = RigidBody::new(Shape::cuboid([0.5; 3])).mass(1.0).position(Vec3::Y * 0.5).build().unwrap();
-        let body = body.spawn(&mut world);
+        let body = RigidBody::new(Shape::cuboid([0.5; 3])).mass(1.0).position(Vec3::Y * 0.5).id(BodyId(1));
+        let body = body.build().unwrap().spawn(&mut world);
         let mut simulation = Simulation::new(sleeping()).unwrap();
         run(&mut simulation, &mut world, 90);
         assert_eq!(asleep(&simulation), 1);
