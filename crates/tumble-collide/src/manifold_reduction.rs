@@ -21,8 +21,8 @@ const MAX_PRESSED: f64 = 4.0;
 /// parts, is deeper by 0.35 of that.
 const PRESSED: f64 = 0.4;
 
-/// A middle that is further inside the sides of the chosen points than this part of their extent is
-/// held; that of a regular pentagon is by 0.16 of it.
+/// A middle that is further inside the sides of the chosen points than this part of twice their
+/// area over their extent is held; that of a regular pentagon is by 0.17 of it.
 const HELD: f64 = 0.125;
 /// A point takes the place of another where that moves a side outwards by more than this part of
 /// the extent.
@@ -114,7 +114,8 @@ fn hold_middle<R: Scalar>(
     extent: R,
     at: &impl Fn(usize) -> Vec3<R>,
 ) {
-    let (held, worth) = (extent * R::splat(HELD), extent * R::splat(WORTH));
+    let breadth = width(four.map(at), normal) / extent;
+    let (held, worth) = (breadth * R::splat(HELD), extent * R::splat(WORTH));
     let nearest = |four: [usize; MAX_MANIFOLD_POINTS]| nearest_side(four.map(at), middle, normal);
     // Of those that hold it as well the widest.
     let score = |four: [usize; MAX_MANIFOLD_POINTS], depth: R| {

@@ -9,6 +9,7 @@ use crate::collision::traveller::state_of;
 use crate::components::{Momentum, Velocity};
 use crate::forces::evaluate::LawForces;
 use crate::forces::force_context::ForceContext;
+use crate::forces::pairwise::PairForces;
 use crate::forces::registry::{ForceLaws, Laws};
 use crate::integrators::Forces;
 use crate::integrators::kinetic_energy::KineticEnergy;
@@ -37,8 +38,8 @@ pub(crate) struct Constraints<'a> {
     pub(crate) bodies: &'a mut ConstrainedBodies,
     pub(crate) contacts: &'a mut ContactSet,
     pub(crate) mechanisms: &'a mut Mechanisms,
-    /// Whether springs or gravity act between bodies.
-    pub(crate) have_pair_forces: bool,
+    /// Springs and gravity between bodies.
+    pub(crate) pairs: Option<&'a PairForces>,
 }
 
 /// Reads the constrained bodies, and the forces on them as they are now, into rows from these on:

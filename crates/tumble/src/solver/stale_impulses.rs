@@ -24,57 +24,68 @@ struct Net {
     held_back: Real,
 }
 
-/// Drops the impulses of contacts on free bodies that would get more than a speed \[m/s\] from
-/// them and from forces in a substep; then those of others that were in balance with these.
-/// Joints act on those that are `jointed`: of their contacts the impulses are bounded.
-pub(crate) fn drop_stale_impulses(
-    records: &mut [ContactRecord],
-    constrained: &ConstrainedBodies,
-    bodies: &SolverBodies,
-    jointed: impl Iterator<Item = SolverRow>,
-    most: Real,
-) {
-    let inverse_mass =
-        |row: SolverRow| if bodies.is_dynamic(row) { bodies.motion[row.index()].inverse_mass } else { 0.0 };
-    let is_great = |contact: &ContactRecord| {
-        let [first, second] = constrained.rows_of(contact.slots).map(inverse_mass);
-        normal_load(contact) * first.max(second) > most
-    };
-    if !records.iter().any(is_great) {
-        return;
-    }
-    let mut is_held = vec![false; bodies.first_non_dynamic()];
-    jointed.filter(|row| bodies.is_dynamic(*row)).for_each(|row| is_held[row.index()] = true);
-    let mass = (0..bodies.first_non_dynamic()).map(|row| 1.0 / bodies.motion[row].inverse_mass).sum::<Real>();
-    let bound = MAX_IMPACTS * most * mass;
-    for contact in &mut *records {
-        let is_jointed = |row: SolverRow| is_held.get(row.index()) == Some(&true);
-        let load = normal_load(contact);
-        if load > bound && constrained.rows_of(contact.slots).into_iter().any(is_jointed) {
-            contact.keep_of_impulses(bound / load);
-        }
-    }
-    // Each round drops the impulses of a contact at least.
-    let mut nets = Vec::new();
-    loop {
-        sum_up(&mut nets, records, constrained, bodies);
-        let is_thrown = |row: SolverRow| {
-            let Net { impulse, held_back } = nets[row.index()];
-            let size = length(impulse);
-            size * inverse_mass(row) > most
-                && held_back < HELD_BACK * size
-                && !is_held[row.index()]
-                && !bodies.locked.has(row)
+/// Memory that is kept from step to step, by row.
+#[derive(Clone, Default)]
+pub(crate) struct StaleImpulses {
+    is_held: Vec<bool>,
+    nets: Vec<Net>,
+}
+
+impl StaleImpulses {
+    /// Drops the impulses of contacts on free bodies that would get more than a speed \[m/s\] from
+    /// them and from forces in a substep; then those of others that were in balance with these.
+    /// Joints or springs act on `held` ones: of their contacts the impulses are bounded.
+    pub(crate) fn drop(
+        &mut self,
+        records: &mut [ContactRecord],
+        constrained: &ConstrainedBodies,
+        bodies: &SolverBodies,
+        held: impl Iterator<Item = SolverRow>,
+        most: Real,
+    ) {
+        let inverse_mass =
+            |row: SolverRow| if bodies.is_dynamic(row) { bodies.motion[row.index()].inverse_mass } else { 0.0 };
+        let is_great = |contact: &ContactRecord| {
+            let [first, second] = constrained.rows_of(contact.slots).map(inverse_mass);
+            normal_load(contact) * first.max(second) > most
         };
-        let mut is_any = false;
-        for contact in records.iter_mut().filter(|contact| normal_load(contact) > 0.0) {
-            if constrained.rows_of(contact.slots).into_iter().any(is_thrown) {
-                contact.drop_impulses();
-                is_any = true;
+        if !records.iter().any(is_great) {
+            return;
+        }
+        let Self { is_held, nets } = self;
+        is_held.clear();
+        is_held.resize(bodies.first_non_dynamic(), false);
+        held.filter(|row| bodies.is_dynamic(*row)).for_each(|row| is_held[row.index()] = true);
+        let mass = (0..bodies.first_non_dynamic()).map(|row| 1.0 / bodies.motion[row].inverse_mass).sum::<Real>();
+        let bound = MAX_IMPACTS * most * mass;
+        for contact in &mut *records {
+            let is_known = |row: SolverRow| is_held.get(row.index()) == Some(&true);
+            let load = normal_load(contact);
+            if load > bound && constrained.rows_of(contact.slots).into_iter().any(is_known) {
+                contact.keep_of_impulses(bound / load);
             }
         }
-        if !is_any {
-            return;
+        // Each round drops the impulses of a contact at least.
+        loop {
+            sum_up(nets, records, constrained, bodies);
+            let is_thrown = |row: SolverRow| {
+                let Net { impulse, held_back } = nets[row.index()];
+                let size = length(impulse);
+                size * inverse_mass(row) > most
+                    && held_back < HELD_BACK * size
+                    && !is_held[row.index()]
+                    && !bodies.locked.has(row)
+            };
+            let mut is_any = false;
+            for contact in records.iter_mut().filter(|contact| normal_load(contact) > 0.0) {
+                if constrained.rows_of(contact.slots).into_iter().any(is_thrown) {
+                    contact.drop_impulses();
+                    is_any = true;
+                }
+            }
+            if !is_any {
+                return;
+            }
         }
     }
 }

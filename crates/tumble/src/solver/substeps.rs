@@ -19,8 +19,8 @@ use crate::solver::mechanism::mechanisms::Mechanisms;
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
 use crate::solver::stack_stiffness::Stacks;
 use crate::solver::stages::{ContactConstraints, SolverStage};
-use crate::solver::stale_impulses::drop_stale_impulses;
-use crate::storage::body_index::BodyIndex;
+use crate::solver::stale_impulses::StaleImpulses;
+use crate::storage::body_index::{BodyIndex, Slot};
 use crate::storage::world_columns::WorldColumns;
 
 /// Advances constrained bodies over a substep of the settings: those of one world, or of several.
@@ -32,6 +32,7 @@ pub(crate) struct Solver {
     halvings: Vec<u8>,
     halved_groups: Vec<HalvedGroup>,
     stacks: Stacks,
+    stale: StaleImpulses,
 }
 
 /// Bodies that are advanced in substeps of the same length, and the contacts among them.
@@ -104,17 +105,18 @@ impl Solver {
         inputs: ForceInputs<'_>,
         first_rows: [usize; 2],
     ) -> [usize; 2] {
-        let Self { group, halvings, stacks, .. } = self;
+        let Self { group, halvings, stacks, stale, .. } = self;
         let SolverGroup { bodies, contact_works, rounds, ball_collisions, contacts: all, direct, joints, .. } = group;
         let results = (&mut *bodies, contact_works);
         let next_rows = gather(constraints, body_index, columns, inputs, results, first_rows);
-        let Constraints { bodies: constrained, contacts, mechanisms, have_pair_forces } = constraints;
+        let Constraints { bodies: constrained, contacts, mechanisms, pairs } = constraints;
         let settings = inputs.0;
-        if !*have_pair_forces {
-            let (records, most) = (&mut contacts.records, impact_speed(settings));
-            let jointed = mechanisms.list.pairs().flatten().filter_map(|slot| constrained.row(slot));
-            drop_stale_impulses(records, constrained, bodies, jointed, most);
-        }
+        let (records, most) = (&mut contacts.records, impact_speed(settings));
+        let jointed = mechanisms.list.pairs().flatten().filter_map(|slot| constrained.row(slot));
+        let is_pulled = |slot: Slot| pairs.is_some_and(|pairs| pairs.act_on(body_index.key(slot).2));
+        let slots = (0..).map(Slot).zip(constrained.rows());
+        let pulled = slots.filter(|(slot, _)| is_pulled(*slot)).filter_map(|(_, row)| row);
+        stale.drop(records, constrained, bodies, jointed.chain(pulled), most);
         let (constrained, first) = (&**constrained, all.len() as u32);
         let begin = inputs.2;
         let passes = (settings.joint_solver, &mut *joints);

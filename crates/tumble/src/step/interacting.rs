@@ -130,8 +130,8 @@ fn solve_together(
         let Interactions { collision, constrained, mechanisms, pairs, .. } = &mut **interactions;
         if let Some(collision) = collision {
             let inputs = (*settings, *laws, time_of(clock, settings, index));
-            let (contacts, have_pair_forces) = (&mut collision.contacts, pairs.is_some());
-            let constraints = Constraints { bodies: constrained, contacts, mechanisms, have_pair_forces };
+            let (contacts, pairs) = (&mut collision.contacts, pairs.as_ref());
+            let constraints = Constraints { bodies: constrained, contacts, mechanisms, pairs };
             multi_world.add(constraints, &collision.body_index, columns, inputs);
         }
     }
@@ -249,8 +249,8 @@ impl<'a> InteractingWorld<'a> {
             crate::scope::scope!("tumble::solve");
             let inputs = (self.settings, self.laws, time_of(&self.clock, self.settings, index));
             let mut taken = solver.take().unwrap_or_default();
-            let (contacts, have_pair_forces) = (&mut collision.contacts, pairs.is_some());
-            let constraints = Constraints { bodies: constrained, contacts, mechanisms, have_pair_forces };
+            let (contacts, pairs) = (&mut collision.contacts, pairs.as_ref());
+            let constraints = Constraints { bodies: constrained, contacts, mechanisms, pairs };
             taken.solve_world(constraints, &collision.body_index, &mut self.columns, inputs);
             self.scatter(&taken);
             self.interactions.solver = Some(taken);
