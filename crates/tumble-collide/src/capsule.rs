@@ -91,12 +91,12 @@ pub(crate) fn capsule_and_capsule<R: Scalar>(first: &Rod<R>, second: &Rod<R>, ma
     };
     let separation = distance - (layers[0] + layers[1]);
     let nearest = (on_first + normal * layers[0] + on_second - normal * layers[1]) * half;
-    let middles = [first.center, second.center];
     let face_clipping = FaceClipping { normal, separation, layers, margin };
     let along = |rod: &Rod<R>| (rod.center + rod.half) - (rod.center - rod.half);
     if !face_clipping.are_parallel(along(first), along(second)) {
         return Manifold::of_nearest(normal, nearest, separation);
     }
+    let middles = [first.center, second.center];
     let (first, second) = (first.feature(), second.feature());
     face_clipping.manifold_of::<2, 2, MAX_SHARED>(&first, &second, nearest, R::splat(0.0), middles).carried_by_both()
 }
@@ -153,7 +153,7 @@ pub(crate) fn cuboid_and_capsule<R: Scalar>(
     };
     let (separation, layers, middles) = (between - rod.radius, [zero, rod.radius], [Vec3::zero(), local.center]);
     let face_clipping = FaceClipping { normal, separation, layers, margin };
-    let middle = nearest + normal * ((between - rod.radius) * half);
+    let middle = nearest + normal * (separation * half);
     let face = Feature::of_cuboid(h, normal);
     let manifold = face_clipping.manifold_of::<4, 2, MAX_SHARED>(&face, &local.feature(), middle, zero, middles);
     manifold.seen(|point| at.to_world(point), |v| at.orientation.rotate(v))

@@ -27,6 +27,7 @@ const HELD: f64 = 0.125;
 /// A point takes the place of another where that moves a side outwards by more than this part of
 /// the extent.
 const WORTH: f64 = 2e-3;
+
 /// Which of two shapes a piece was cut of, with which points go.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Cut {
@@ -114,13 +115,11 @@ fn hold_middle<R: Scalar>(
     extent: R,
     at: &impl Fn(usize) -> Vec3<R>,
 ) {
-    let breadth = width(four.map(at), normal) / extent;
-    let (held, worth) = (breadth * R::splat(HELD), extent * R::splat(WORTH));
+    let breadth = |four: [usize; MAX_MANIFOLD_POINTS]| width(four.map(at), normal) / extent;
+    let (held, worth) = (breadth(*four) * R::splat(HELD), extent * R::splat(WORTH));
     let nearest = |four: [usize; MAX_MANIFOLD_POINTS]| nearest_side(four.map(at), middle, normal);
     // Of those that hold it as well the widest.
-    let score = |four: [usize; MAX_MANIFOLD_POINTS], depth: R| {
-        depth.min(held) + width(four.map(at), normal) / extent * R::splat(0.1 * WORTH)
-    };
+    let score = |four: [usize; MAX_MANIFOLD_POINTS], depth: R| depth.min(held) + breadth(four) * R::splat(0.1 * WORTH);
     let mut better = *four;
     let Some(mut side) = nearest(better) else { return };
     for _ in 0..MAX_MANIFOLD_POINTS {

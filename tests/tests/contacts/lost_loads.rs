@@ -52,7 +52,8 @@ fn what_carried_a_load_stays_when_that_is_gone() {
             simulation.step(&mut world);
             fastest = fastest.max(speed(&world));
         }
-        // What the load pressed in comes out at no more than 3 m/s, of boxes and planks by turns.
+        // What the load pressed in comes out at no more than 3 m/s: of each layer the boxes and the
+        // plank on them.
         let most = before + 3.0 * f64::from(2 * layers);
         println!("case {case}: {fastest} m/s, {before} before, {:e} times the mass", heavy / mass);
         assert!(fastest < most, "case {case}, {size} m, {} times the mass: {fastest} m/s", heavy / mass);

@@ -25,15 +25,21 @@ fn direction(draw: &mut Draw) -> DVec3 {
     DVec3::new(cos, 0.0, sin) * (1.0 - up * up).sqrt() + DVec3::Y * up
 }
 
+/// A size \[m\] at random, and a world with ground, of 30 to 240 steps a second.
+fn rig_on_ground(draw: &mut Draw) -> (f64, Rig) {
+    let size = draw.log_between(0.05, 5.0);
+    let mut rig = Rig::new(down(), 1.0 / draw.log_between(30.0, 240.0), 1 << draw.between(1.0, 4.99) as u32);
+    ground(&mut rig.world, Material::default(), Quat::IDENTITY);
+    (size, rig)
+}
+
 /// Two boxes on a joint, on the ground, and a slab that comes down on them. Overlap is pushed out
 /// at 3 m/s at most, and a lever makes twice that of it.
 #[test]
 fn what_is_pressed_is_not_shot_out() {
     for case in 0..u64::from(cases(160)) {
         let mut draw = Draw::new(0x9E55, case);
-        let size = draw.log_between(0.05, 5.0);
-        let mut rig = Rig::new(down(), 1.0 / draw.log_between(30.0, 240.0), 1 << draw.between(1.0, 4.99) as u32);
-        ground(&mut rig.world, Material::default(), Quat::IDENTITY);
+        let (size, mut rig) = rig_on_ground(&mut draw);
         let halves = [0, 1].map(|_| [0; 3].map(|_| draw.between(0.1, 0.5) * size)).map(DVec3::from);
         let boxes = [0, 1].map(|i| {
             let half = halves[i];
@@ -67,9 +73,7 @@ fn what_is_pressed_is_not_shot_out() {
 fn what_a_hand_presses_down_is_not_thrown_when_it_lets_go() {
     for case in 0..u64::from(cases(120)) {
         let mut draw = Draw::new(0x9E56, case);
-        let size = draw.log_between(0.05, 5.0);
-        let mut rig = Rig::new(down(), 1.0 / draw.log_between(30.0, 240.0), 1 << draw.between(1.0, 4.99) as u32);
-        ground(&mut rig.world, Material::default(), Quat::IDENTITY);
+        let (size, mut rig) = rig_on_ground(&mut draw);
         let half = DVec3::from([0; 3].map(|_| draw.between(0.2, 0.5) * size));
         let body = cuboid(
             &mut rig,

@@ -4,6 +4,7 @@
 use tumble_math::lane::Vec3;
 
 use crate::collision::contact::ContactRecord;
+use crate::collision::contact_ways::length;
 use crate::math::Real;
 use crate::solver::constrained_bodies::ConstrainedBodies;
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
@@ -56,13 +57,16 @@ impl StaleImpulses {
         is_held.clear();
         is_held.resize(bodies.first_non_dynamic(), false);
         held.filter(|row| bodies.is_dynamic(*row)).for_each(|row| is_held[row.index()] = true);
-        let mass = (0..bodies.first_non_dynamic()).map(|row| 1.0 / bodies.motion[row].inverse_mass).sum::<Real>();
+        // Of this world alone, in the order of its slots: others may be solved with it.
+        let dynamic = constrained.rows().flatten().filter(|row| bodies.is_dynamic(*row));
+        let mass = dynamic.map(|row| 1.0 / inverse_mass(row)).sum::<Real>();
         let bound = MAX_IMPACTS * most * mass;
         for contact in &mut *records {
             let is_known = |row: SolverRow| is_held.get(row.index()) == Some(&true);
             let load = normal_load(contact);
             if load > bound && constrained.rows_of(contact.slots).into_iter().any(is_known) {
-                contact.keep_of_impulses(bound / load);
+                // What is infinite has no part.
+                if load.is_finite() { contact.keep_of_impulses(bound / load) } else { contact.drop_impulses() }
             }
         }
         // Each round drops the impulses of a contact at least.
@@ -119,8 +123,4 @@ fn sum_up(nets: &mut Vec<Net>, records: &[ContactRecord], constrained: &Constrai
             net.held_back += (-impulse.dot(net.impulse) / size).max(0.0);
         }
     }
-}
-
-fn length(v: Vec3<Real>) -> Real {
-    v.dot(v).sqrt()
 }

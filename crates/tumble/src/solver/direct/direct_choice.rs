@@ -67,23 +67,23 @@ pub(crate) struct DirectChoice {
     joined: Vec<SolverRow>,
 }
 
-/// How what is not dynamic pushes a body.
+/// What is not dynamic, where a body touches it.
 #[derive(Clone, Copy)]
-struct Push {
-    from: SolverRow,
-    /// Away from it, unit vector.
-    along: Vec3<f64>,
+struct Obstacle {
+    row: SolverRow,
+    /// Unit vector away from it.
+    normal: Vec3<f64>,
     /// Of its surface \[m/s\].
     velocity: Vec3<f64>,
     /// Of the body's least radius of gyration.
     overlap: f64,
 }
 
-impl Push {
+impl Obstacle {
     /// Whether it comes nearer to what holds the body beyond, at this velocity.
     fn approaches(&self, velocity: Vec3<f64>) -> bool {
         let fast = self.velocity.dot(self.velocity).sqrt() + velocity.dot(velocity).sqrt();
-        self.along.dot(self.velocity - velocity) > PRESSES * fast
+        self.normal.dot(self.velocity - velocity) > PRESSES * fast
     }
 }
 
@@ -113,21 +113,21 @@ impl<'a> Candidates<'a> {
         self.record(place).normal_impulses.at_points.iter().sum()
     }
 
-    /// How what is not dynamic pushes at a contact, if anything is not.
-    fn push(self, place: u32) -> Option<Push> {
+    /// What is not dynamic at a contact, if anything is not.
+    fn obstacle(self, place: u32) -> Option<Obstacle> {
         let Self { contacts, bodies, .. } = self;
-        let [from, to] = contacts[place as usize].rows;
-        if bodies.is_dynamic(from) || !bodies.is_dynamic(to) {
+        let [row, to] = contacts[place as usize].rows;
+        if bodies.is_dynamic(row) || !bodies.is_dynamic(to) {
             return None;
         }
-        let (record, motion) = (self.record(place), &bodies.motion[from.index()]);
-        let [linear, angular, along, arm] =
-            [motion.momentum, motion.angular_momentum, record.geometry.normal, bodies.center(to) - bodies.center(from)]
+        let (record, motion) = (self.record(place), &bodies.motion[row.index()]);
+        let [linear, angular, normal, arm] =
+            [motion.momentum, motion.angular_momentum, record.geometry.normal, bodies.center(to) - bodies.center(row)]
                 .map(|v| Vec3::from(double(v)));
         let least = (0..record.count()).map(|j| record.separation(j)).fold(0.0, Real::min);
         let radius = bodies.least_radius(to);
         let overlap = if radius > 0.0 { -f64::from(least) / radius } else { 0.0 };
-        Some(Push { from, along, velocity: linear + angular.cross(arm), overlap })
+        Some(Obstacle { row, normal, velocity: linear + angular.cross(arm), overlap })
     }
 
     /// How many rows a contact takes at most.
@@ -239,19 +239,18 @@ impl DirectChoice {
 
     /// Whether chosen contacts, or one and a joint of the mechanism, press bodies together.
     fn are_pressed(&self, of: Candidates<'_>, bodies: &[MechanismBody]) -> bool {
-        let pushes = || self.chosen.iter().filter_map(|place| of.push(*place));
+        let obstacles = || self.chosen.iter().filter_map(|place| of.obstacle(*place));
         let held = || bodies.iter().filter(|body| !body.is_moved());
-        pushes().any(|push| {
+        obstacles().any(|it| {
             // What overlaps on one side only is not jammed.
-            let is_opposed = |other: Push| {
-                let is_jammed = push.overlap.min(other.overlap) > JAMMED;
-                other.along.dot(push.along) < 0.0
-                    && (is_jammed || other.from != push.from && push.approaches(other.velocity))
+            let is_opposed = |other: Obstacle| {
+                let is_jammed = it.overlap.min(other.overlap) > JAMMED;
+                other.normal.dot(it.normal) < 0.0 && (is_jammed || other.row != it.row && it.approaches(other.velocity))
             };
             let is_held_by = |body: &MechanismBody| {
-                body.row != push.from && (push.overlap > JAMMED || push.approaches(body.linear_velocity()))
+                body.row != it.row && (it.overlap > JAMMED || it.approaches(body.linear_velocity()))
             };
-            pushes().any(is_opposed) || held().any(is_held_by)
+            obstacles().any(is_opposed) || held().any(is_held_by)
         })
     }
 

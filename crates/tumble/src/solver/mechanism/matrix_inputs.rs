@@ -15,9 +15,9 @@ pub(super) struct MatrixInputs {
     /// By body, inverse inertia in the world.
     inertia: Vec<[Four; 2]>,
     /// Of rows along free axes their softness, infinite where they are out of the matrix.
-    laws: Vec<[f64; 1]>,
+    laws: Vec<f64>,
     /// Of each node, where rows may depend.
-    softness: Vec<[f64; 1]>,
+    softness: Vec<f64>,
     /// Whether the matrix is of these rows.
     is_factored: bool,
 }
@@ -39,11 +39,11 @@ impl MatrixInputs {
     /// Whether the matrix has to be set and factored.
     pub(super) fn take_laws(&mut self, bodies: &[MechanismBody], joints: &[JointRows], matrix: &BlockLdl) -> bool {
         let rows = joints.iter().flat_map(|joint| &joint.free_rows);
-        let of_rows = rows.map(|row| [if row.constant.is_some() { f64::INFINITY } else { row.gamma }]);
+        let of_rows = rows.map(|row| if row.constant.is_some() { f64::INFINITY } else { row.gamma });
         let nodes = if matrix.may_depend() { joints.len() } else { 0 };
         let is_changed = take(&mut self.inertia, bodies.iter().map(|body| body.inverse_inertia))
             | take(&mut self.laws, of_rows)
-            | take(&mut self.softness, (0..nodes).map(|node| [matrix.softness(node)]))
+            | take(&mut self.softness, (0..nodes).map(|node| matrix.softness(node)))
             | !self.is_factored;
         self.is_factored = true;
         is_changed
