@@ -27,7 +27,7 @@ pub use arguments::Arguments;
 pub use hills::{HillBodies, HillGround, hills};
 pub use jointed::{JointKind, LINK, arm, bridge, chain, net, pendulums, ragdolls};
 pub use on_demand::OnDemand;
-pub use piles::{FRICTION, PileShape, eight_boxes, falling_balls, pyramid};
+pub use piles::{FRICTION, PileShape, compounds_in_each_other, eight_boxes, falling_balls, pyramid};
 pub use pulling::{attracting_points, net_of_springs};
 #[cfg(feature = "peers")]
 pub use rapier_joints::{RapierJoints, RapierWorld};

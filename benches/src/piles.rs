@@ -2,7 +2,7 @@
 
 use hecs::World;
 use tumble::math::{Real, Vec3};
-use tumble::{BodyId, Collider, Material, RigidBody, Shape};
+use tumble::{BodyId, Collider, Material, Pose, RigidBody, Shape};
 
 /// Coefficient of friction of all bodies of piles.
 pub const FRICTION: Real = 0.5;
@@ -53,6 +53,26 @@ pub fn falling_balls(count: usize) -> World {
             [(place[0] - 8.5) * 1.1, 1.0 + place[1] * 1.1, (place[2] - 8.5) * 1.1].map(|x| x + draw.around(0.04));
         let at = Vec3::new(x as Real, y as Real, z as Real);
         spawn(&mut world, PileShape::Ball(0.5), |body| body.mass(1.0).position(at).id(BodyId(i as u64)));
+    }
+    world
+}
+
+/// Two bodies in the air of this many balls each, every ball of one in every ball of the other.
+#[allow(clippy::expect_used, reason = "the bodies and colliders made here are possible")]
+pub fn compounds_in_each_other(count: usize) -> World {
+    let mut world = World::new();
+    for x in [-0.01, 0.01] {
+        let mut draw = Lcg(37);
+        let parts = (0..count).map(|_| {
+            let [x, y, z] = [0.0; 3].map(|_: f64| draw.around(0.1) as Real);
+            let position = Vec3::new(x, y, z);
+            Collider::new(&Shape::sphere(0.5)).and_then(|ball| ball.with_offset(Pose { position, ..Pose::default() }))
+        });
+        let parts: Result<Vec<_>, _> = parts.collect();
+        let collider = parts.and_then(Collider::compound).expect("a possible collider");
+        let body = RigidBody::new(Shape::sphere(0.5)).mass(1.0).position(Vec3::X * x);
+        let body = body.angular_velocity(Vec3::new(0.3, 1.0, -0.5)).build().expect("a possible body");
+        body.spawn_with(&mut world, (collider,));
     }
     world
 }

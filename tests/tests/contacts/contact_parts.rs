@@ -1,10 +1,10 @@
 //! Promise: the parts of a compound collider have materials and groups of their own, in the API, in
 //! scene files and in glTF: two bodies meet only where parts of them touch by their groups, and
-//! with the surfaces of the parts that meet there. What two cost goes with their pairs of parts.
+//! with the surfaces of the parts that meet there.
 //!
 //! Why: with one filter for all a body falls through ground that a part of it should rest on. It
 //! fails if the number of a part leads to another part's surface, or a compound of equal parts is
-//! another than a compound shape, or if each contact of two parts looks at all of them again.
+//! another than a compound shape.
 
 use hecs::{Entity, World};
 use proptest::prelude::*;
@@ -215,37 +215,4 @@ fn colliders_of_gltf_have_their_own() {
         assert_eq!((height - 0.5).abs() < 1e-2, is_held, "{filters:?}: {height}");
         assert_eq!(height < -5.0, !is_held, "{filters:?}: {height}");
     }
-}
-
-/// The time of three steps of two heaps of balls, each ball of one in every ball of the other.
-fn time_of_heaps(count: usize) -> f64 {
-    let mut world = World::new();
-    for x in [-0.01, 0.01] {
-        let mut rng = Rng::stream(37, count as u64);
-        let parts = (0..count).map(|_| {
-            let place = Vec3::new(rng.range(-0.1, 0.1), rng.range(-0.1, 0.1), rng.range(-0.1, 0.1));
-            collider(&Shape::sphere(0.5)).with_offset(at(place)).unwrap()
-        });
-        let collider = Collider::compound(parts).unwrap();
-        let body = RigidBody::new(Shape::sphere(0.5)).mass(1.0).position(Vec3::X * x);
-        spawn(&mut world, body.angular_velocity(Vec3::new(0.3, 1.0, -0.5)), collider);
-    }
-    let mut simulation = Simulation::new(Settings::default()).unwrap();
-    // Threads that wait for each other would be what is measured.
-    let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    alone.install(|| {
-        let start = std::time::Instant::now();
-        run(&mut simulation, &mut world, 3);
-        start.elapsed().as_secs_f64()
-    })
-}
-
-/// With four times as many parts there are sixteen times as many pairs; what is gone through once
-/// more for each of them costs 256 times as much.
-#[test]
-fn compounds_in_each_other_cost_as_much_as_they_have_pairs() {
-    let least = |count| (0..5).map(|_| time_of_heaps(count)).fold(f64::INFINITY, f64::min);
-    let [few, many] = [10, 40].map(least);
-    println!("{few} s and {many} s");
-    assert!(many < 64.0 * few, "{few} s and {many} s");
 }
