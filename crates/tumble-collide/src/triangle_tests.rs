@@ -161,8 +161,8 @@ fn check(pair: &Pair, found: &Approach) -> Result<(), TestCaseError> {
     let along = shapes.separation(found.normal);
     // Points that are known to rounding give a direction to that part of how far they are apart.
     let turned = f64::EPSILON * (pair.size + far) / found.between.max(1e-11 * pair.size);
-    // Squares say what is nearest, which are as good for places to half of the digits.
-    let noise = if found.between > 0.0 { (16.0 * turned + 4.0 * f64::EPSILON.sqrt()) * pair.size } else { 0.0 };
+    // Squares say what is nearest, and have as few digits as that: places across have half of these.
+    let noise = if found.between > 0.0 { (16.0 * turned + 4.0 * turned.sqrt()) * pair.size } else { 0.0 };
     prop_assert!((along - found.between).abs() <= slack + noise, "{along} along {found:?}");
     if found.between > slack {
         let distance = pair.distance(found.on_first);

@@ -204,9 +204,13 @@ impl BlockLdl {
     }
 
     /// Factors the matrix that was set.
-    #[inline(always)]
-    pub(crate) fn factor<T: FourLane>(&mut self) {
-        uniformly!(self.factor_uniform());
+    pub(crate) fn factor(&mut self) {
+        match self.uniform {
+            3 => dispatch_fours(Factor::<3> { matrix: self }),
+            5 => dispatch_fours(Factor::<5> { matrix: self }),
+            6 => dispatch_fours(Factor::<6> { matrix: self }),
+            _ => dispatch_fours(Factor::<0> { matrix: self }),
+        }
     }
 
     #[inline(always)]
@@ -361,6 +365,18 @@ fn local(numbers: &[Four]) -> [Four; fours(MAX_ROWS)] {
     local
 }
 
+/// A kernel for each number of rows: one for all would take far longer to compile.
+struct Factor<'a, const U: usize> {
+    matrix: &'a mut BlockLdl,
+}
+
+impl<const U: usize> FourKernel for Factor<'_, U> {
+    #[inline(always)]
+    fn run<T: FourLane>(self) {
+        self.matrix.factor_uniform::<T, U>();
+    }
+}
+
 struct Solve<'a> {
     matrix: &'a BlockLdl,
     x: &'a mut [Four],
@@ -392,18 +408,6 @@ fn last(ends: &[usize]) -> usize {
 mod tests {
     use super::*;
 
-    struct Factor<'a> {
-        matrix: &'a mut BlockLdl,
-    }
-
-    impl FourKernel for Factor<'_> {
-        fn run<T: FourLane>(self) {
-            self.matrix.factor::<T>();
-        }
-    }
-
-    /// Random positive matrices with the pattern of a ring with a tail, of blocks of all sizes:
-    /// the solution times the matrix is the right side.
     #[test]
     fn what_is_solved_satisfies_the_equations() {
         // A linear congruential generator: its upper bits.
@@ -451,7 +455,7 @@ mod tests {
                 }
             }
             sizes.iter().enumerate().for_each(|(node, size)| ldl.raise(node, *size));
-            dispatch_fours(Factor { matrix: &mut ldl });
+            ldl.factor();
             let right: Vec<Four> = (0..ldl.len()).map(|_| [0; 4].map(|_| number())).collect();
             let mut x = right.clone();
             ldl.solve(&mut x);

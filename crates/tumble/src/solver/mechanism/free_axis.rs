@@ -150,7 +150,11 @@ fn along_rotation_vector(q: Quat<f64>, axis: usize) -> (f64, [f64; 3]) {
 
 /// Of the second frame against the first; the nearer of both quaternions.
 pub(crate) fn relative_rotation(stance: &Stance) -> Quat<f64> {
-    let q = stance.orientations[0].conjugate() * stance.orientations[1];
+    the_short_way(stance.orientations[0].conjugate() * stance.orientations[1])
+}
+
+/// The same rotation by no more than half a turn.
+pub(super) fn the_short_way(q: Quat<f64>) -> Quat<f64> {
     if q.w < 0.0 { Quat { x: -q.x, y: -q.y, z: -q.z, w: -q.w } } else { q }
 }
 

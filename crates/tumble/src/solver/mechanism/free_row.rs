@@ -46,7 +46,7 @@ pub(crate) enum Mode {
 #[derive(Clone, Debug)]
 pub(crate) struct FreeRow {
     pub(crate) axis: FreeAxis,
-    bounds: [f64; 2],
+    pub(super) bounds: [f64; 2],
     motor: Option<Motor>,
     friction: f64,
     springs: Vec<RowSpring>,
@@ -67,6 +67,8 @@ pub(crate) struct FreeRow {
     pub(crate) constant: Option<f64>,
     /// Of that, what has been given.
     pub(crate) pushed: f64,
+    /// How fast the bodies have it move, when its right side was set.
+    pub(crate) speed: f64,
     /// How fast it moves by an impulse of friction that holds it [1/kg] [1/(kg m^2)].
     slip: f64,
     /// The impulses to be had from motor and friction in this phase.
@@ -98,6 +100,7 @@ impl FreeRow {
             bias: 0.0,
             constant: Some(0.0),
             pushed: 0.0,
+            speed: 0.0,
             slip: 0.0,
             motor_impulse: 0.0,
             friction_impulse: 0.0,
@@ -177,71 +180,32 @@ impl FreeRow {
         self.springs.iter_mut().for_each(|spring| spring.set_mass(mass));
     }
 
-    /// Whether there is a bound.
-    pub(crate) fn is_bounded(&self) -> bool {
-        self.bounds[0].is_finite() || self.bounds[1].is_finite()
+    /// What is added to the diagonal of a row, the first of these: infinite where nothing along it
+    /// depends on the speed, or there is none.
+    #[inline(always)]
+    pub(crate) fn softness_of_first(rows: &[Self]) -> f64 {
+        rows.first().map_or(f64::INFINITY, Self::softness)
+    }
+
+    /// What is added to its diagonal: infinite where nothing along it depends on the speed.
+    #[inline(always)]
+    pub(crate) fn softness(&self) -> f64 {
+        if self.constant.is_some() { f64::INFINITY } else { self.gamma }
+    }
+
+    /// What its speed is to change by, of which this takes the error out.
+    pub(crate) fn right_side(&self, correction: f64) -> f64 {
+        if self.constant.is_some() { 0.0 } else { -(self.speed + correction) - self.bias }
+    }
+
+    /// What is left of its law by the speed that it has after an impulse.
+    pub(crate) fn remaining(&self, impulse: f64) -> f64 {
+        if self.constant.is_some() { 0.0 } else { -(self.speed + self.bias + self.gamma * impulse) }
     }
 
     /// What it moves as far as that is known \[kg\] [kg m^2].
     pub(crate) fn mass(&self) -> f64 {
         self.mass
-    }
-
-    /// Whether both bounds are the same, and it has a value.
-    fn is_held(&self) -> bool {
-        self.bounds[0] == self.bounds[1] && !self.value.is_nan()
-    }
-
-    /// How far it is past a bound; negative within.
-    pub(crate) fn past(&self, value: f64, upper: bool) -> f64 {
-        let [lower_bound, upper_bound] = self.bounds;
-        let apart = if upper { value - upper_bound } else { lower_bound - value };
-        let is_turn = !self.axis.is_linear() && !self.axis.is_cone();
-        if is_turn && lower_bound.is_finite() && upper_bound.is_finite() {
-            // From the middle of the range, the shorter way round.
-            let middle = 0.5 * (lower_bound + upper_bound);
-            let from_middle = wrapped(value - middle);
-            let half = 0.5 * (upper_bound - lower_bound);
-            return if upper { from_middle - half } else { -from_middle - half };
-        }
-        apart
-    }
-
-    /// The error of a row that is at a bound.
-    pub(crate) fn error_at_bound(&self, value: f64) -> f64 {
-        if self.mode == Mode::AtUpper { self.past(value, true) } else { -self.past(value, false) }
-    }
-
-    /// The error of a distance at a bound, of which this is the part along the row and `wanted` is
-    /// to be left: by how much that part is too long if what is across it stays.
-    pub(crate) fn error_of_distance(&self, distance: f64, along: f64, wanted: f64) -> f64 {
-        let (goal, square_across) = self.goal_and_square_across(distance, along, wanted);
-        along - (goal * goal - square_across).max(0.0).sqrt() + wanted
-    }
-
-    /// By how much a distance is too long even where its part along the row is zero.
-    pub(crate) fn missed_distance(&self, distance: f64, along: f64, wanted: f64) -> f64 {
-        let (goal, square_across) = self.goal_and_square_across(distance, along, wanted);
-        (square_across.max(0.0).sqrt() - goal.abs()).max(0.0)
-    }
-
-    /// What a distance is to be \[m\], and the square of its part across the row.
-    fn goal_and_square_across(&self, distance: f64, along: f64, wanted: f64) -> (f64, f64) {
-        (distance - self.error_at_bound(distance) + wanted, distance * distance - along * along)
-    }
-
-    /// How far an error is past the bound that the row is at; what has but one place is past it on
-    /// either side.
-    pub(crate) fn past_bound(&self, error: f64) -> f64 {
-        match self.mode {
-            _ if self.is_held() => error.abs(),
-            Mode::AtLower => -error,
-            _ => error,
-        }
-    }
-
-    pub(crate) fn is_at_bound(&self) -> bool {
-        matches!(self.mode, Mode::AtLower | Mode::AtUpper)
     }
 
     /// Prepares for a phase of a substep of `h` \[s\], of which forces have the share `before`
@@ -321,7 +285,7 @@ impl FreeRow {
     }
 
     /// Sets what the matrix and its right side need by the mode.
-    fn set_law(&mut self, phase: Phase) {
+    pub(super) fn set_law(&mut self, phase: Phase) {
         (self.gamma, self.bias, self.constant) = (0.0, 0.0, None);
         match self.mode {
             Mode::AtLower | Mode::AtUpper => {}
@@ -340,7 +304,7 @@ impl FreeRow {
                         None => constant += spring.constant(),
                     }
                 }
-                if slope > 0.0 {
+                if slope > f64::MIN_POSITIVE {
                     self.gamma = 1.0 / slope;
                     self.bias = (linear - constant) * self.gamma;
                 } else {
@@ -440,31 +404,9 @@ impl FreeRow {
         Mode::Loose(motor, friction)
     }
 
-    /// Goes to a bound that bodies have gone past, to this value; returns whether they have.
-    pub(crate) fn meet_bound(&mut self, value: f64) -> bool {
-        if self.is_at_bound() || self.value.is_nan() {
-            // What had no value was not within.
-            return false;
-        }
-        // An angle that jumped did not go there.
-        let most = if self.axis.is_linear() { f64::INFINITY } else { 0.5 };
-        let is_past = |upper: bool| {
-            let past = self.past(value, upper);
-            past > 0.0 && past < most
-        };
-        self.mode = if is_past(false) {
-            Mode::AtLower
-        } else if is_past(true) {
-            Mode::AtUpper
-        } else {
-            return false;
-        };
-        self.set_law(Phase::Positions);
-        true
-    }
-
-    /// Notes what springs give, once the speed is known.
-    pub(crate) fn note_springs(&mut self, speed: f64) {
+    /// Notes what springs give at the speed that there is.
+    pub(crate) fn note_springs(&mut self) {
+        let speed = self.speed;
         self.springs.iter_mut().for_each(|spring| {
             spring.settle(speed);
         });

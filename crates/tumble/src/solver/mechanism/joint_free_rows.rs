@@ -1,17 +1,18 @@
 //! Rows of a joint along its free axes: what acts there, and which part of its law applies.
 
-use tumble_math::lane::Vec3;
+use tumble_math::lane::{Quat, Vec3};
 
 use crate::joints::axes::Axes;
 use crate::joints::drives::Drive;
 use crate::joints::joint_options::JointOptions;
 use crate::solver::mechanism::block_kernels::MAX_ROWS;
 use crate::solver::mechanism::fours::vector;
-use crate::solver::mechanism::free_axis::{Direction, FreeAxis, free_axes};
+use crate::solver::mechanism::free_axis::{Direction, FreeAxis, free_axes, the_short_way, twist};
 use crate::solver::mechanism::free_row::{FreeRow, Phase};
-use crate::solver::mechanism::joint_rows::{IDENTITY, JointRows};
+use crate::solver::mechanism::joint_rows::{IDENTITY, JointRows, OfRows, correction_speed};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_matrix::turning;
+use crate::solver::mechanism::rotations::Rotations;
 
 /// Whether there is a rope or a rod among the rows of a joint.
 pub(super) fn has_distance(free_rows: &[FreeRow]) -> bool {
@@ -79,25 +80,26 @@ impl JointRows {
         self.update_bounds();
     }
 
-    /// Corrects the modes of rows of free axes by a solution: what it adds to the speeds, and its
-    /// impulses. Returns whether any has changed.
-    pub(crate) fn settle(
-        &mut self,
-        bodies: &[MechanismBody],
-        (phase, h): (Phase, f64),
-        (response, impulses): (&[f64], &[f64]),
-    ) -> bool {
+    /// Takes the speeds of rows of free axes out of those of all.
+    pub(super) fn take_free_speeds(&mut self, speeds: &OfRows) {
+        let speeds = speeds.as_flattened();
+        (self.locked..).zip(&mut self.free_rows).for_each(|(row, it)| it.speed = speeds[row]);
+    }
+
+    /// Corrects the modes of rows of free axes by a solution: what it adds to the speeds that the
+    /// right side was set by, and its impulses. Returns whether any has changed.
+    pub(crate) fn settle(&mut self, (phase, h): (Phase, f64), (response, impulses): (&[f64], &[f64])) -> bool {
         if self.free_rows.is_empty() {
             return false;
         }
-        let speeds = self.speeds(bodies);
-        let speeds = speeds.as_flattened();
         let mut is_changed = false;
         for (row, it) in (self.locked..).zip(&mut self.free_rows) {
-            is_changed |= it.settle(phase, h, speeds[row] + response[row], impulses[row]);
+            is_changed |= it.settle(phase, h, it.speed + response[row], impulses[row]);
         }
         is_changed |= self.update_slip(phase);
-        self.update_bounds();
+        if is_changed {
+            self.update_bounds();
+        }
         if is_changed && phase == Phase::Positions {
             self.plan_correction(h);
         }
@@ -109,11 +111,18 @@ impl JointRows {
         if !self.free_rows.iter().any(FreeRow::is_bounded) {
             return false;
         }
-        let stance = self.stance(bodies);
-        let Self { free_rows, free, reference, .. } = self;
-        let mut is_any = false;
-        for it in free_rows {
-            is_any |= it.meet_bound(it.axis.direction(&stance, *free, *reference).value);
+        let (mut is_any, orientations) = (false, self.orientations(bodies));
+        if let (Rotations::About(axis), [row]) = (self.rotations, &mut self.free_rows[..])
+            && row.axis == FreeAxis::Rotation(axis)
+        {
+            let [first, second] = orientations;
+            is_any = row.meet_bound(twist(the_short_way(first.conjugate() * second), axis));
+        } else {
+            let stance = self.stance(bodies);
+            let Self { free_rows, free, reference, .. } = self;
+            for it in free_rows {
+                is_any |= it.meet_bound(it.axis.direction(&stance, *free, *reference).value);
+            }
         }
         if is_any {
             self.update_slip(Phase::Positions);
@@ -121,6 +130,25 @@ impl JointRows {
             self.plan_correction(h);
         }
         is_any
+    }
+
+    /// Sets what is left of the errors of rows of free axes after a substep of `h` \[s\].
+    pub(super) fn plan_free_correction(&mut self, h: f64) {
+        let (all_wanted, errors) = (self.wanted.as_flattened_mut(), self.errors.as_flattened());
+        for (row, it) in (self.locked..).zip(&mut self.free_rows) {
+            // A bound may be reached as fast as the bodies are.
+            let most = h * correction_speed(it.axis.is_linear());
+            let error = if it.is_at_bound() { errors[row] } else { 0.0 };
+            let past = it.past_bound(error);
+            it.is_corrected = past > 0.0;
+            all_wanted[row] = (past - most).max(0.0).copysign(error);
+        }
+    }
+
+    /// Sets where a hinge stands of which the second frame is turned like this against the first.
+    pub(super) fn set_hinge_value(&mut self, turned: Quat<f64>) {
+        self.free_rows.iter_mut().for_each(|row| row.value = twist(the_short_way(turned), 0));
+        self.update_bounds();
     }
 
     /// Pushes the bodies by what acts along free axes at any speed.

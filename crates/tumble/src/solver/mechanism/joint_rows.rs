@@ -151,7 +151,7 @@ impl JointRows {
 
     /// How its frames are turned.
     #[inline(always)]
-    fn orientations(&self, bodies: &[MechanismBody]) -> [Quat<f64>; 2] {
+    pub(super) fn orientations(&self, bodies: &[MechanismBody]) -> [Quat<f64>; 2] {
         let (a, b) = (&bodies[self.bodies[0]], &bodies[self.bodies[1]]);
         let [first, second] = [0, 1].map(|end| quaternion(&self.anchors[end].orientation));
         [a.orientation() * first, b.orientation() * second]
@@ -389,14 +389,7 @@ impl JointRows {
             let most = h * correction_speed(is_linear);
             *wanted = left_of_error(*error, most);
         }
-        for (row, it) in (self.locked..).zip(&mut self.free_rows) {
-            // A bound may be reached as fast as the bodies are.
-            let most = h * correction_speed(it.axis.is_linear());
-            let error = if it.is_at_bound() { errors[row] } else { 0.0 };
-            let past = it.past_bound(error);
-            it.is_corrected = past > 0.0;
-            all_wanted[row] = (past - most).max(0.0).copysign(error);
-        }
+        self.plan_free_correction(h);
     }
 
     /// How fast each error grows by the velocities of the bodies.

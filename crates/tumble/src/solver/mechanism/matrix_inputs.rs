@@ -4,6 +4,7 @@
 
 use crate::simd::Four;
 use crate::solver::mechanism::block_ldl::BlockLdl;
+use crate::solver::mechanism::free_row::FreeRow;
 use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 
@@ -39,7 +40,7 @@ impl MatrixInputs {
     /// Whether the matrix has to be set and factored.
     pub(super) fn take_laws(&mut self, bodies: &[MechanismBody], joints: &[JointRows], matrix: &BlockLdl) -> bool {
         let rows = joints.iter().flat_map(|joint| &joint.free_rows);
-        let of_rows = rows.map(|row| if row.constant.is_some() { f64::INFINITY } else { row.gamma });
+        let of_rows = rows.map(FreeRow::softness);
         let nodes = if matrix.may_depend() { joints.len() } else { 0 };
         let is_changed = take(&mut self.inertia, bodies.iter().map(|body| body.inverse_inertia))
             | take(&mut self.laws, of_rows)

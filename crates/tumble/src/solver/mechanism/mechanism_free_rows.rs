@@ -64,10 +64,10 @@ impl MechanismSolver {
         let mut is_changed = false;
         for (number, joint) in joints.iter_mut().enumerate() {
             let begin = matrix.place(number);
-            is_changed |= joint.settle(bodies, (half.phase, half.h), (&response[begin..], &right[begin..]));
+            is_changed |= joint.settle((half.phase, half.h), (&response[begin..], &right[begin..]));
         }
-        joints.iter_mut().for_each(|joint| joint.push_constants(bodies));
         if is_changed {
+            joints.iter_mut().for_each(|joint| joint.push_constants(bodies));
             self.soften();
         }
         is_changed
@@ -89,14 +89,17 @@ impl MechanismSolver {
         is_any
     }
 
-    /// Notes what springs of free axes give at the speeds that there are.
-    pub(crate) fn note_springs(&mut self) {
+    /// Finds how fast bodies move along free axes.
+    pub(crate) fn find_free_speeds(&mut self) {
         let Self { joints, bodies, .. } = self;
         for joint in joints.iter_mut().filter(|joint| !joint.free_rows.is_empty()) {
             let speeds = joint.speeds(bodies);
-            let speeds = speeds.as_flattened();
-            let locked = joint.locked;
-            (locked..).zip(&mut joint.free_rows).for_each(|(row, it)| it.note_springs(speeds[row]));
+            joint.take_free_speeds(&speeds);
         }
+    }
+
+    /// Notes what springs of free axes give at these speeds.
+    pub(crate) fn note_springs(&mut self) {
+        self.joints.iter_mut().flat_map(|joint| &mut joint.free_rows).for_each(FreeRow::note_springs);
     }
 }

@@ -11,7 +11,7 @@ use crate::solver::mechanism::fours::vector;
 use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_solver::{MechanismSolver, SIGNS};
-use crate::solver::mechanism::rotations::Rotations;
+use crate::solver::mechanism::pinned_kind::PinnedKind;
 
 /// A body that two joints share, and where the numbers are of what it does.
 #[derive(Clone, Copy, Debug)]
@@ -156,19 +156,26 @@ impl MechanismSolver {
     /// Sets and factors the matrix, unless it is that of what there is already.
     pub(super) fn factor(&mut self) {
         if !self.is_touched || self.made_of.take_laws(&self.bodies, &self.joints, &self.matrix) {
-            dispatch_fours(Factor { solver: self });
+            self.assemble();
+            self.matrix.factor();
+        }
+    }
+
+    fn assemble(&mut self) {
+        match self.alike {
+            Some(PinnedKind::BALL) => dispatch_fours(AssembleAlike::<3, false> { solver: self }),
+            Some(PinnedKind::HINGE) => dispatch_fours(AssembleAlike::<5, false> { solver: self }),
+            Some(PinnedKind::DRIVEN_HINGE) => dispatch_fours(AssembleAlike::<6, true> { solver: self }),
+            Some(PinnedKind::WELD) => dispatch_fours(AssembleAlike::<6, false> { solver: self }),
+            _ => {
+                dispatch_fours(AssembleDiagonal { solver: self });
+                dispatch_fours(AssembleBlocks { solver: self });
+            }
         }
     }
 
     #[inline(always)]
-    fn assemble<T: FourLane>(&mut self) {
-        match self.alike {
-            Some(Rotations::Free) => return self.assemble_alike::<T, 3>(Rotations::Free),
-            Some(Rotations::About(0)) => return self.assemble_alike::<T, 5>(Rotations::About(0)),
-            Some(Rotations::Locked) => return self.assemble_alike::<T, 6>(Rotations::Locked),
-            _ => {}
-        }
-        self.assemble_diagonal::<T>();
+    fn assemble_blocks<T: FourLane>(&mut self) {
         let Self { joints, bodies, matrix, couplings, filled, columns, .. } = self;
         filled.iter().for_each(|block| matrix.clear(*block));
         let (blocks, columns) = (matrix.blocks_mut(), &columns.columns[..]);
@@ -232,15 +239,44 @@ impl MechanismSolver {
     }
 }
 
-struct Factor<'a> {
+/// Of joints of `N` rows each, that of a free axis among them or not.
+struct AssembleAlike<'a, const N: usize, const HAS_FREE_ROW: bool> {
     solver: &'a mut MechanismSolver,
 }
 
-impl FourKernel for Factor<'_> {
+impl<const N: usize, const HAS_FREE_ROW: bool> FourKernel for AssembleAlike<'_, N, HAS_FREE_ROW> {
     #[inline(always)]
     fn run<T: FourLane>(self) {
-        self.solver.assemble::<T>();
-        self.solver.matrix.factor::<T>();
+        let kind = match (N, HAS_FREE_ROW) {
+            (3, _) => PinnedKind::BALL,
+            (5, _) => PinnedKind::HINGE,
+            (_, true) => PinnedKind::DRIVEN_HINGE,
+            (_, false) => PinnedKind::WELD,
+        };
+        self.solver.assemble_alike::<T, N>(kind);
+    }
+}
+
+struct AssembleDiagonal<'a> {
+    solver: &'a mut MechanismSolver,
+}
+
+impl FourKernel for AssembleDiagonal<'_> {
+    #[inline(always)]
+    fn run<T: FourLane>(self) {
+        self.solver.assemble_diagonal::<T>();
+    }
+}
+
+/// Beyond the diagonal.
+struct AssembleBlocks<'a> {
+    solver: &'a mut MechanismSolver,
+}
+
+impl FourKernel for AssembleBlocks<'_> {
+    #[inline(always)]
+    fn run<T: FourLane>(self) {
+        self.solver.assemble_blocks::<T>();
     }
 }
 

@@ -1,22 +1,18 @@
 //! The rows of a mechanism's joints: right sides, impulses and errors, of four joints at a time
 //! where these are alike, with the same numbers as of one joint after the other.
 
-use crate::simd::{FourKernel, FourLane, dispatch_fours};
-use crate::solver::mechanism::fours::{row_of, vector};
+use tumble_math::lane::Vec3;
+
+use crate::integrators::derived::symmetric_product;
+use crate::simd::{Four, FourKernel, FourLane, dispatch_fours};
+use crate::solver::mechanism::fours::{by_place, four_of, of_each, row_of, rows_of, vector, vectors};
 use crate::solver::mechanism::free_axis::FreeAxis;
-use crate::solver::mechanism::joint_rows::{JointRows, length};
+use crate::solver::mechanism::free_row::FreeRow;
+use crate::solver::mechanism::joint_rows::{JointRows, OfRows, length};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_solver::{MechanismSolver, SIGNS};
 use crate::solver::mechanism::pinned_joints::{PinnedJoints, plan_pinned};
-use crate::solver::mechanism::rotations::Rotations;
-
-/// The rotations that joints lock if they lock the same, and all translations, and nothing acts
-/// along a free axis.
-pub(super) fn alike(joints: &[JointRows]) -> Option<Rotations> {
-    let rotations = joints.first()?.rotations;
-    let is_alike = |joint: &JointRows| joint.is_rigid_pin() && joint.rotations == rotations;
-    joints.iter().all(is_alike).then_some(rotations)
-}
+use crate::solver::mechanism::pinned_kind::PinnedKind;
 
 /// Impulses of all rows.
 #[derive(Clone, Copy)]
@@ -25,22 +21,26 @@ pub(super) enum Impulses {
     OfSolution,
 }
 
-/// Goes through joints in fours, by the rotations that four of them lock alike: as a constant, or
-/// one joint after the other where they are not alike, or as universal joints.
+/// Goes through joints in fours, by the kind that four of them have in common: as a constant, or one
+/// joint after the other where they have none.
 macro_rules! in_fours {
-    ($alike:ident => |$first:ident, $rotations:ident| $pinned:expr, $joints:expr => |$number:ident, $joint:ident| $mixed:expr) => {
+    ($alike:ident => |$first:ident, $kind:ident| $pinned:expr, $joints:expr => |$number:ident, $joint:ident| $mixed:expr) => {
         for ($first, alike) in (0..).step_by(4).zip(&*$alike) {
             match alike {
-                Some(Rotations::Free) => {
-                    let $rotations = Rotations::Free;
+                Some(PinnedKind::BALL) => {
+                    let $kind = PinnedKind::BALL;
                     $pinned
                 }
-                Some(Rotations::About(0)) => {
-                    let $rotations = Rotations::About(0);
+                Some(PinnedKind::HINGE) => {
+                    let $kind = PinnedKind::HINGE;
                     $pinned
                 }
-                Some(Rotations::Locked) => {
-                    let $rotations = Rotations::Locked;
+                Some(PinnedKind::DRIVEN_HINGE) => {
+                    let $kind = PinnedKind::DRIVEN_HINGE;
+                    $pinned
+                }
+                Some(PinnedKind::WELD) => {
+                    let $kind = PinnedKind::WELD;
                     $pinned
                 }
                 _ => {
@@ -64,11 +64,18 @@ impl MechanismSolver {
     fn set_right_sides<T: FourLane>(&mut self, rate: f64) {
         let Self { joints, bodies, matrix, right, bend, alike_fours, .. } = self;
         in_fours!(alike_fours =>
-            |first, rotations| {
-                let four = PinnedJoints::<T>::of(joints, first, rotations);
-                four.set_right_side(four.speeds(bodies), matrix, right, (bend, rate));
+            |first, kind| {
+                let four = PinnedJoints::<T>::of(joints, first, kind);
+                let speeds = four.speeds(bodies);
+                four.set_right_side(speeds, matrix, right, (bend, rate));
+                if kind.has_free_row {
+                    PinnedJoints::take_free_speeds(joints, first, speeds);
+                    for (number, joint) in joints.iter().enumerate().skip(first).take(4) {
+                        set_free_right_side(joint, &mut right.as_flattened_mut()[matrix.place(number)..], rate);
+                    }
+                }
             },
-            joints.iter() => |number, joint| {
+            joints.iter_mut() => |number, joint| {
                 let begin = matrix.place(number);
                 set_right_side_of(joint, bodies, &mut right.as_flattened_mut()[begin..], &bend.as_flattened()[begin..], rate);
             }
@@ -85,7 +92,12 @@ impl MechanismSolver {
         let Self { joints, alike_fours, .. } = self;
         for (joints, alike) in joints.chunks_mut(4).zip(&*alike_fours) {
             match alike {
-                Some(rotations) => joints.iter_mut().for_each(|joint| plan_pinned::<T>(joint, *rotations, h)),
+                Some(kind) => {
+                    for joint in joints {
+                        plan_pinned::<T>(joint, *kind, h);
+                        joint.plan_free_correction(h);
+                    }
+                }
                 None => joints.iter_mut().for_each(|joint| joint.plan_correction(h)),
             }
         }
@@ -106,13 +118,24 @@ impl MechanismSolver {
         let mut most = 0.0_f64;
         let mut most_of_fours = T::splat(0.0);
         in_fours!(alike_fours =>
-            |first, rotations| {
-                let four = PinnedJoints::<T>::of(joints, first, rotations);
+            |first, kind| {
+                let four = PinnedJoints::<T>::of(joints, first, kind);
                 let (left, largest) = four.errors_left(bodies);
                 most_of_fours = largest.max(most_of_fours);
                 four.set_remaining(left, matrix, right, rate);
+                if kind.has_free_row {
+                    let speeds = four.speeds(bodies);
+                    PinnedJoints::take_free_speeds(joints, first, speeds);
+                    for (number, joint) in joints.iter().enumerate().skip(first).take(4) {
+                        let begin = matrix.place(number);
+                        let is_at_bound = joint.free_rows.iter().any(FreeRow::is_at_bound);
+                        let errors = if is_at_bound { joint.errors(bodies) } else { OfRows::default() };
+                        let (right, impulses) = (&mut right.as_flattened_mut()[begin..], &impulses.as_flattened()[begin..]);
+                        most = most.max(set_free_remaining(joint, bodies, &errors, (right, impulses), rate));
+                    }
+                }
             },
-            joints.iter() => |number, joint| {
+            joints.iter_mut() => |number, joint| {
                 let begin = matrix.place(number);
                 let right = &mut right.as_flattened_mut()[begin..];
                 let left = set_remaining_of(joint, bodies, right, &impulses.as_flattened()[begin..], rate);
@@ -133,13 +156,46 @@ impl MechanismSolver {
     fn push_all<T: FourLane>(&mut self) {
         let Self { joints, bodies, matrix, right, alike_fours, .. } = self;
         in_fours!(alike_fours =>
-            |first, rotations| {
-                let four = PinnedJoints::<T>::of(joints, first, rotations);
+            |first, kind| {
+                let four = PinnedJoints::<T>::of(joints, first, kind);
                 let impulses = four.impulses(matrix, right);
                 four.push(bodies, impulses);
             },
             joints.iter() => |number, joint| {
                 push_by(joint, bodies, &right.as_flattened()[matrix.place(number)..]);
+            }
+        );
+    }
+
+    /// Sets how the impulses on the right side change the speeds of rows and bodies.
+    pub(crate) fn set_response(&mut self) {
+        dispatch_fours(SetResponse { solver: self });
+    }
+
+    #[inline(always)]
+    fn set_all_responses<T: FourLane>(&mut self) {
+        let Self { joints, bodies, matrix, right, velocities, response, alike_fours, .. } = self;
+        velocities.fill([[0.0; 4]; 2]);
+        in_fours!(alike_fours =>
+            |first, kind| {
+                let four = PinnedJoints::<T>::of(joints, first, kind);
+                let impulses = four.impulses(matrix, right);
+                four.add_impulses(impulses, velocities);
+            },
+            joints.iter() => |number, joint| {
+                add_impulses_of(joint, &right.as_flattened()[matrix.place(number)..], velocities);
+            }
+        );
+        give_velocities::<T>(bodies, velocities);
+        in_fours!(alike_fours =>
+            |first, kind| {
+                let four = PinnedJoints::<T>::of(joints, first, kind);
+                four.store_rows(four.speeds_of(velocities), matrix, response);
+            },
+            joints.iter() => |number, joint| {
+                let speeds = joint.speeds_by(|body| velocities[body].map(|v| vector(&v)));
+                let response = &mut response.as_flattened_mut()[matrix.place(number)..];
+                response[..joint.count].copy_from_slice(&speeds.as_flattened()[..joint.count]);
             }
         );
     }
@@ -156,17 +212,20 @@ impl MechanismSolver {
     #[inline(always)]
     fn note_all_impulses<T: FourLane>(&mut self) {
         let Self { joints, matrix, impulses, done, alike_fours, .. } = self;
+        for (number, joint) in joints.iter().enumerate().filter(|(_, joint)| !joint.free_rows.is_empty()) {
+            let impulses = &mut impulses.as_flattened_mut()[matrix.place(number)..][..joint.count];
+            for (impulse, row) in impulses[joint.locked..].iter_mut().zip(&joint.free_rows) {
+                *impulse += row.pushed;
+            }
+        }
         in_fours!(alike_fours =>
-            |first, rotations| {
-                let four = PinnedJoints::<T>::of(joints, first, rotations);
+            |first, kind| {
+                let four = PinnedJoints::<T>::of(joints, first, kind);
                 let along = four.impulses(matrix, impulses);
                 four.note(along, done);
             },
             joints.iter() => |number, joint| {
-                let impulses = &mut impulses.as_flattened_mut()[matrix.place(number)..][..joint.count];
-                for (impulse, row) in impulses[joint.locked..].iter_mut().zip(&joint.free_rows) {
-                    *impulse += row.pushed;
-                }
+                let impulses = &impulses.as_flattened()[matrix.place(number)..][..joint.count];
                 let [impulse, angular] = joint.impulse(impulses);
                 let [linear, turning] = &mut done[number];
                 *linear = row_of(vector(linear) + impulse, 0.0);
@@ -190,8 +249,8 @@ impl MechanismSolver {
         };
         pulls.fill(0.0);
         in_fours!(alike_fours =>
-            |first, rotations| {
-                let four = PinnedJoints::<T>::of(joints, first, rotations);
+            |first, kind| {
+                let four = PinnedJoints::<T>::of(joints, first, kind);
                 let along = four.impulses(matrix, impulses);
                 four.pull(along, pulls);
             },
@@ -218,30 +277,36 @@ impl MechanismSolver {
     fn update_all_rows<T: FourLane>(&mut self) {
         let Self { joints, bodies, alike_fours, .. } = self;
         in_fours!(alike_fours =>
-            |first, rotations| PinnedJoints::<T>::update(joints, first, rotations, bodies),
+            |first, kind| PinnedJoints::<T>::update(joints, first, kind, bodies),
             joints.iter_mut() => |_number, joint| joint.update(bodies)
         );
     }
 }
 
-fn set_right_side_of(joint: &JointRows, bodies: &[MechanismBody], right: &mut [f64], bend: &[f64], rate: f64) {
+fn set_right_side_of(joint: &mut JointRows, bodies: &[MechanismBody], right: &mut [f64], bend: &[f64], rate: f64) {
     let speeds = joint.speeds(bodies);
     let (speeds, errors, wanted) = (speeds.as_flattened(), joint.errors.as_flattened(), joint.wanted.as_flattened());
-    let right = &mut right[..joint.count];
-    for row in 0..joint.count {
+    for row in 0..joint.locked {
         let correction = (errors[row] - wanted[row]) * rate;
         right[row] = -(speeds[row] + correction);
     }
     if rate != 0.0 {
         right.iter_mut().zip(bend).take(joint.locked).for_each(|(right, bend)| *right += bend);
     }
-    for (right, row) in right[joint.locked..].iter_mut().zip(&joint.free_rows) {
-        *right = if row.constant.is_some() { 0.0 } else { *right - row.bias };
+    joint.take_free_speeds(&joint.speeds(bodies));
+    set_free_right_side(joint, right, rate);
+}
+
+/// Sets the right side of rows of free axes, of which the speeds have been taken.
+fn set_free_right_side(joint: &JointRows, right: &mut [f64], rate: f64) {
+    let (errors, wanted) = (joint.errors.as_flattened(), joint.wanted.as_flattened());
+    for (row, it) in (joint.locked..).zip(&joint.free_rows) {
+        right[row] = it.right_side((errors[row] - wanted[row]) * rate);
     }
 }
 
 fn set_remaining_of(
-    joint: &JointRows,
+    joint: &mut JointRows,
     bodies: &[MechanismBody],
     right: &mut [f64],
     impulses: &[f64],
@@ -249,8 +314,8 @@ fn set_remaining_of(
 ) -> f64 {
     let mut most = 0.0_f64;
     let size = joint.size();
-    let errors = joint.errors(bodies);
-    let (errors, wanted) = (errors.as_flattened(), joint.wanted.as_flattened());
+    let all_errors = joint.errors(bodies);
+    let (errors, wanted) = (all_errors.as_flattened(), joint.wanted.as_flattened());
     let linear = joint.linear_count();
     let mut most_linear = 0.0_f64;
     for (row, right) in right[..joint.locked].iter_mut().enumerate() {
@@ -264,8 +329,21 @@ fn set_remaining_of(
     if joint.free_rows.is_empty() {
         return most;
     }
-    let speeds = joint.speeds(bodies);
-    let speeds = speeds.as_flattened();
+    joint.take_free_speeds(&joint.speeds(bodies));
+    most.max(set_free_remaining(joint, bodies, &all_errors, (right, impulses), rate))
+}
+
+/// Sets what is left of the laws of rows of free axes, of which the speeds have been taken, and of
+/// these errors of those at a bound; returns the largest of these.
+fn set_free_remaining(
+    joint: &JointRows,
+    bodies: &[MechanismBody],
+    errors: &OfRows,
+    (right, impulses): (&mut [f64], &[f64]),
+    rate: f64,
+) -> f64 {
+    let (errors, wanted, size) = (errors.as_flattened(), joint.wanted.as_flattened(), joint.size());
+    let mut most = 0.0_f64;
     for (row, it) in (joint.locked..).zip(&joint.free_rows) {
         right[row] = if it.is_at_bound() {
             let left = errors[row] - wanted[row];
@@ -274,10 +352,8 @@ fn set_remaining_of(
                 most = most.max(joint.missed_distance(row, it, bodies) / size);
             }
             left * rate
-        } else if it.constant.is_some() {
-            0.0
         } else {
-            -(speeds[row] + it.bias + it.gamma * impulses[row])
+            it.remaining(impulses[row])
         };
     }
     most
@@ -292,6 +368,41 @@ fn push_by(joint: &JointRows, bodies: &mut [MechanismBody], along: &[f64]) {
     if let Some(gear) = &joint.gear {
         gear.for_each_end(along[0], |body, arm, impulse, angular| {
             bodies[body].push(impulse, arm, angular);
+        });
+    }
+}
+
+/// Adds linear and angular impulses of a joint to those of its bodies.
+fn add_impulses_of(joint: &JointRows, along: &[f64], impulses: &mut [[Four; 2]]) {
+    let [impulse, angular] = joint.impulse(&along[..joint.count]);
+    let mut add = |body: usize, linear: Vec3<f64>, torque: Vec3<f64>| {
+        let [of_body, turning] = &mut impulses[body];
+        *of_body = row_of(vector(of_body) + linear, 0.0);
+        *turning = row_of(vector(turning) + torque, 0.0);
+    };
+    for end in 0..2 {
+        add(joint.bodies[end], impulse * SIGNS[end], (joint.arm(end).cross(impulse) + angular) * SIGNS[end]);
+    }
+    if let Some(gear) = &joint.gear {
+        gear.for_each_end(along[0], |body, arm, impulse, angular| add(body, impulse, arm.cross(impulse) + angular));
+    }
+}
+
+/// Has linear and angular impulses of bodies be the velocities that they give.
+#[inline(always)]
+fn give_velocities<T: FourLane>(bodies: &[MechanismBody], impulses: &mut [[Four; 2]]) {
+    for first in (0..bodies.len()).step_by(4) {
+        let four = four_of(first, bodies.len());
+        let (linear, _) = vectors::<T>(of_each!(four, i => &impulses[i][0]));
+        let (torque, _) = vectors::<T>(of_each!(four, i => &impulses[i][1]));
+        let (_, inverse_mass) = vectors::<T>(of_each!(four, i => &bodies[i].linear));
+        let (diagonal, _) = vectors::<T>(of_each!(four, i => &bodies[i].inverse_inertia[0]));
+        let (off_diagonal, _) = vectors::<T>(of_each!(four, i => &bodies[i].inverse_inertia[1]));
+        let linear = rows_of(linear * inverse_mass, T::splat(0.0));
+        let angular = rows_of(symmetric_product(diagonal, off_diagonal, torque), T::splat(0.0));
+        by_place!(k of 4 {
+            linear[k].store(&mut impulses[four[k]][0]);
+            angular[k].store(&mut impulses[four[k]][1]);
         });
     }
 }
@@ -318,6 +429,7 @@ kernel!(RightSide { rate: f64 } => |solver| solver.set_right_sides::<T>(rate));
 kernel!(Remaining { h: f64, most: &'a mut f64 } => |solver| *most = solver.set_all_remaining::<T>(h));
 kernel!(PlanCorrections { h: f64 } => |solver| solver.plan_all_corrections::<T>(h));
 kernel!(Push {} => |solver| solver.push_all::<T>());
+kernel!(SetResponse {} => |solver| solver.set_all_responses::<T>());
 kernel!(NoteImpulses {} => |solver| solver.note_all_impulses::<T>());
 kernel!(SetPulls { impulses: Impulses } => |solver| solver.set_all_pulls::<T>(impulses));
 kernel!(UpdateRows {} => |solver| solver.update_all_rows::<T>());

@@ -14,9 +14,9 @@ use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::matrix_inputs::MatrixInputs;
 use crate::solver::mechanism::mechanism_body::{MechanismBody, SavedBody};
 use crate::solver::mechanism::mechanism_matrix::{Coupling, RowColumns, arranged, couplings};
-use crate::solver::mechanism::mechanism_rows::{Impulses, alike};
+use crate::solver::mechanism::mechanism_rows::Impulses;
 use crate::solver::mechanism::mechanism_substeps::MAX_ERROR;
-use crate::solver::mechanism::rotations::Rotations;
+use crate::solver::mechanism::pinned_kind::PinnedKind;
 
 /// Bodies that hang together, their joints, and the matrix of these.
 #[derive(Clone, Debug)]
@@ -33,10 +33,10 @@ pub(crate) struct MechanismSolver {
     pub(super) is_stuck: bool,
     /// In the order of elimination.
     pub(crate) joints: Vec<JointRows>,
-    /// Of mechanisms whose joints are all pinned and lock the same rotations, these.
-    pub(super) alike: Option<Rotations>,
+    /// Of mechanisms whose joints are all of one kind, this.
+    pub(super) alike: Option<PinnedKind>,
     /// The same of each four joints, one after the other in the order of elimination.
-    pub(super) alike_fours: Vec<Option<Rotations>>,
+    pub(super) alike_fours: Vec<Option<PinnedKind>>,
     pub(super) matrix: BlockLdl,
     /// What the rows and the matrix were last made of.
     pub(super) made_of: MatrixInputs,
@@ -55,8 +55,8 @@ pub(crate) struct MechanismSolver {
     /// By row, what the bodies' paths bend by in a substep as a speed: what solutions after the
     /// first of the last substep took out.
     pub(super) bend: Vec<Four>,
-    /// By body, memory of a product with the matrix.
-    pub(super) velocities: Vec<[Vec3<f64>; 2]>,
+    /// By body, the linear and angular velocities that impulses of all rows give.
+    pub(super) velocities: Vec<[Four; 2]>,
     /// By body, velocities of pushes; zero between these.
     pub(super) pushed: Vec<[Vec3<f64>; 2]>,
     /// By body: sum of impulse times arm.
@@ -125,8 +125,8 @@ impl MechanismSolver {
         let (couplings, filled) = couplings(&ordered, moves, &matrix, &columns);
         let it = Self {
             done: vec![[[0.0; 4]; 2]; ordered.len()],
-            alike: alike(&ordered),
-            alike_fours: ordered.chunks(4).map(alike).collect(),
+            alike: PinnedKind::of_all(&ordered),
+            alike_fours: ordered.chunks(4).map(PinnedKind::of_all).collect(),
             columns,
             impulses: vec![[0.0; 4]; matrix.len()],
             right: vec![[0.0; 4]; matrix.len()],
@@ -151,7 +151,7 @@ impl MechanismSolver {
             has_free_rows: ordered.iter().any(|joint| !joint.free_rows.is_empty()),
             bodies: Vec::with_capacity(moves.len()),
             saved: Vec::with_capacity(moves.len()),
-            velocities: vec![[Vec3::zero(); 2]; moves.len()],
+            velocities: vec![[[0.0; 4]; 2]; moves.len()],
             pushed: vec![[Vec3::zero(); 2]; moves.len()],
             made_of: MatrixInputs::default(),
             joints: ordered,
@@ -247,6 +247,7 @@ impl MechanismSolver {
                 self.right.copy_from_slice(&self.last);
                 self.add_solution(-1.0);
                 drift(&mut self.bodies, &self.saved, h);
+                self.find_free_speeds();
                 break worst;
             }
             let tolerance = if solution == 1 { FIRST_TOLERANCE } else { TOLERANCE };
@@ -317,36 +318,6 @@ impl MechanismSolver {
             self.factor();
         }
         changes > 0 || raises > 1
-    }
-
-    /// Sets how the impulses of the right side change the rows' speeds.
-    pub(crate) fn set_response(&mut self) {
-        let Self { joints, bodies, matrix, right, velocities, response, .. } = self;
-        let (right, response) = (right.as_flattened(), response.as_flattened_mut());
-        velocities.fill([Vec3::zero(); 2]);
-        for (number, joint) in joints.iter().enumerate() {
-            let [impulse, angular] = joint.impulse(&right[matrix.place(number)..][..joint.count]);
-            for end in 0..2 {
-                let [linear, turning] = &mut velocities[joint.bodies[end]];
-                *linear = *linear + impulse * SIGNS[end];
-                *turning = *turning + (joint.arm(end).cross(impulse) + angular) * SIGNS[end];
-            }
-            if let Some(gear) = &joint.gear {
-                gear.for_each_end(right[matrix.place(number)], |body, arm, impulse, angular| {
-                    let [linear, turning] = &mut velocities[body];
-                    *linear = *linear + impulse;
-                    *turning = *turning + arm.cross(impulse) + angular;
-                });
-            }
-        }
-        for (body, [linear, turning]) in bodies.iter().zip(&mut *velocities) {
-            (*linear, *turning) = (*linear * body.inverse_mass(), body.times_inverse_inertia(*turning));
-        }
-        for (number, joint) in joints.iter().enumerate() {
-            let speeds = joint.speeds_by(|body| velocities[body]);
-            let speeds = speeds.as_flattened();
-            response[matrix.place(number)..][..joint.count].copy_from_slice(&speeds[..joint.count]);
-        }
     }
 
     /// Raises the inertia of bodies on which the impulses of the right side are a sudden load.

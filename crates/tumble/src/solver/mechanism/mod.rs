@@ -14,6 +14,7 @@ pub(crate) mod elimination;
 pub(crate) mod fours;
 mod free_axis;
 pub(crate) mod free_row;
+mod free_row_bounds;
 pub(crate) mod gear_rows;
 pub(crate) mod joint_anchor;
 mod joint_free_rows;
@@ -31,6 +32,7 @@ mod mechanism_substeps;
 pub(crate) mod mechanisms;
 pub(crate) mod passed_joints;
 mod pinned_joints;
+mod pinned_kind;
 mod pinned_matrix;
 #[cfg(test)]
 mod pinned_tests;

@@ -1,4 +1,4 @@
-//! Four joints side by side that lock all translations, and along whose free axes nothing acts.
+//! Four joints of one kind side by side.
 
 use tumble_math::lane::{Quat, Vec3};
 
@@ -6,31 +6,36 @@ use crate::integrators::derived::symmetric_product;
 use crate::simd::{Four, FourLane};
 use crate::solver::mechanism::block_kernels::fours;
 use crate::solver::mechanism::block_ldl::BlockLdl;
-use crate::solver::mechanism::fours::{by_place, four_of, is_new, of_each, quaternions, rows_of, vectors};
+use crate::solver::mechanism::fours::{
+    by_place, four_of, is_new, of_each, quaternion, quaternions, rows, rows_of, vectors,
+};
 use crate::solver::mechanism::joint_rows::{
     JointRows, arms_and_gap, correction_speed, left_of_error, pushed_at, velocity_apart,
 };
 use crate::solver::mechanism::mechanism_body::MechanismBody;
-use crate::solver::mechanism::rotations::Rotations;
+use crate::solver::mechanism::pinned_kind::PinnedKind;
 
 /// Four joints, or fewer with the last of them several times.
 pub(super) struct PinnedJoints<'a, T> {
     joints: [&'a JointRows; 4],
     numbers: [usize; 4],
-    rotations: Rotations,
+    kind: PinnedKind,
     zero: T,
 }
 
+/// The row of a hinge's axis.
+const FREE_ROW: usize = 5;
+
 /// Impulses of four joints along their rows, side by side, as three along the axes of the world
-/// and those about locked rotations.
+/// and those about axes.
 type Along<T> = (Vec3<T>, [T; 3]);
 
 impl<'a, T: FourLane> PinnedJoints<'a, T> {
-    /// From a joint on, with these rotations locked.
+    /// From a joint on, of this kind.
     #[inline(always)]
-    pub(super) fn of(joints: &'a [JointRows], first: usize, rotations: Rotations) -> Self {
+    pub(super) fn of(joints: &'a [JointRows], first: usize, kind: PinnedKind) -> Self {
         let numbers = four_of(first, joints.len());
-        Self { joints: of_each!(numbers, number => &joints[number]), numbers, rotations, zero: T::splat(0.0) }
+        Self { joints: of_each!(numbers, number => &joints[number]), numbers, kind, zero: T::splat(0.0) }
     }
 
     #[inline(always)]
@@ -47,7 +52,7 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
     /// How many fours the rows of a joint take.
     #[inline(always)]
     fn width(&self) -> usize {
-        fours(3 + self.rotations.locked())
+        fours(3 + self.kind.turning_rows())
     }
 
     #[inline(always)]
@@ -60,7 +65,7 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
         vectors(of_each!(self.joints, joint => &joint.arms[end]))
     }
 
-    /// About what the row of a locked rotation turns.
+    /// About what the first, second or third of the rows turn that turn bodies about an axis.
     #[inline(always)]
     fn axis(&self, rotation: usize) -> Vec3<T> {
         axes_of(self.joints, rotation)
@@ -69,15 +74,48 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
     /// By four of rows and by joint: how fast the errors grow by the velocities of the bodies.
     #[inline(always)]
     pub(super) fn speeds(&self, bodies: &[MechanismBody]) -> [[T; 4]; 2] {
-        let of_both = [velocities::<T>(self.bodies(bodies, 0)), velocities::<T>(self.bodies(bodies, 1))];
+        self.speeds_by([velocities::<T>(self.bodies(bodies, 0)), velocities::<T>(self.bodies(bodies, 1))])
+    }
+
+    /// The same by linear and angular velocities of bodies.
+    #[inline(always)]
+    pub(super) fn speeds_of(&self, velocities: &[[Four; 2]]) -> [[T; 4]; 2] {
+        let of_both = [
+            [self.given(velocities, 0, 0), self.given(velocities, 0, 1)],
+            [self.given(velocities, 1, 0), self.given(velocities, 1, 1)],
+        ];
+        self.speeds_by(of_both)
+    }
+
+    /// Linear or angular velocities of the bodies at an end.
+    #[inline(always)]
+    fn given(&self, velocities: &[[Four; 2]], end: usize, which: usize) -> Vec3<T> {
+        vectors(of_each!(self.joints, joint => &velocities[joint.bodies[end]][which])).0
+    }
+
+    /// The same by those of the first and the second bodies.
+    #[inline(always)]
+    fn speeds_by(&self, of_both: [[Vec3<T>; 2]; 2]) -> [[T; 4]; 2] {
         let [apart, turn] = velocity_apart(of_both, [self.arms(0).0, self.arms(1).0]);
         let mut about = [self.zero; 3];
         by_place!(rotation of 3 {
-            if rotation < self.rotations.locked() {
+            if rotation < self.kind.turning_rows() {
                 about[rotation] = self.axis(rotation).dot(turn);
             }
         });
         self.rows(apart, about)
+    }
+
+    /// Takes the speeds of free rows of joints, from one on, out of these of all rows.
+    #[inline(always)]
+    pub(super) fn take_free_speeds(joints: &mut [JointRows], first: usize, [_, speeds]: [[T; 4]; 2]) {
+        let numbers = four_of(first, joints.len());
+        by_place!(k of 4 {
+            let mut of_joint = [0.0; 4];
+            speeds[k].store(&mut of_joint);
+            let row = joints[numbers[k]].free_rows.first_mut();
+            row.into_iter().for_each(|row| row.speed = of_joint[FREE_ROW - 4]);
+        });
     }
 
     /// Sets the right sides of what these speeds are to become: what bends the paths, and what
@@ -100,36 +138,46 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
         });
     }
 
-    /// Sets the right sides of what is left of the errors.
+    /// Sets the right sides of what is left of the errors of locked axes.
     #[inline(always)]
     pub(super) fn set_remaining(&self, left: [[T; 4]; 2], matrix: &BlockLdl, right: &mut [Four], rate: f64) {
-        let rate = T::splat(rate);
+        let (rate, mut scaled) = (T::splat(rate), left);
+        by_place!(k of 4 {
+            scaled[0][k] = left[0][k] * rate;
+            scaled[1][k] = left[1][k] * rate;
+        });
+        self.store_rows(scaled, matrix, right);
+    }
+
+    /// Sets numbers of the rows of all joints, by four of rows and by joint.
+    #[inline(always)]
+    pub(super) fn store_rows(&self, rows: [[T; 4]; 2], matrix: &BlockLdl, all: &mut [Four]) {
         by_place!(k of 4 {
             let begin = matrix.start(self.numbers[k]);
-            (left[0][k] * rate).store(&mut right[begin]);
+            rows[0][k].store(&mut all[begin]);
             if self.width() > 1 {
-                (left[1][k] * rate).store(&mut right[begin + 1]);
+                rows[1][k].store(&mut all[begin + 1]);
             }
         });
     }
 
-    /// By four of rows and by joint: what is left of the errors; and the largest of each joint, of
+    /// By four of rows and by joint: what is left of the errors of locked axes; and the largest of each joint, of
     /// the size of its arms or \[rad\].
     #[inline(always)]
     pub(super) fn errors_left(&self, bodies: &[MechanismBody]) -> ([[T; 4]; 2], T) {
         let (_, gap, [first, second]) = self.stand(bodies);
-        let about = self.rotations.errors(first.conjugate() * second);
+        let about = self.kind.rotations.errors(first.conjugate() * second);
         let (wanted, first) = vectors::<T>(of_each!(self.joints, joint => &joint.wanted[0]));
         let left = gap - wanted;
         let (_, gyration) = vectors::<T>(of_each!(self.joints, joint => &joint.between));
         let size = (self.arms(0).1 + self.arms(1).1).max(gyration);
         let mut largest = left.x.abs().max(left.y.abs()).max(left.z.abs()) / size;
         let mut about_left = [self.zero; 3];
-        if self.rotations.locked() > 0 {
+        if self.kind.rotations.locked() > 0 {
             let (Vec3 { x, y, .. }, _) = vectors::<T>(of_each!(self.joints, joint => &joint.wanted[1]));
             let wanted = [first, x, y];
             by_place!(rotation of 3 {
-                if rotation < self.rotations.locked() {
+                if rotation < self.kind.rotations.locked() {
                     about_left[rotation] = about[rotation] - wanted[rotation];
                     largest = about_left[rotation].abs().max(largest);
                 }
@@ -140,16 +188,17 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
 
     /// Sets the rows of four joints, and their errors, to where the bodies are.
     #[inline(always)]
-    pub(super) fn update(joints: &mut [JointRows], first: usize, rotations: Rotations, bodies: &[MechanismBody]) {
-        let four = PinnedJoints::<T>::of(joints, first, rotations);
+    pub(super) fn update(joints: &mut [JointRows], first: usize, kind: PinnedKind, bodies: &[MechanismBody]) {
+        let four = PinnedJoints::<T>::of(joints, first, kind);
         let (numbers, zero) = (four.numbers, four.zero);
         let (anchor_arms, gap, [first, second]) = four.stand(bodies);
         let [a, b, from_anchor] = pushed_at(anchor_arms, gap, gap * T::splat(0.5));
         let arms = [rows_of(a, a.dot(a).sqrt()), rows_of(b, b.dot(b).sqrt())];
         let from_anchor = rows_of(from_anchor, zero);
-        let errors = four.rows(gap, rotations.errors(first.conjugate() * second));
+        let turned = first.conjugate() * second;
+        let errors = four.rows(gap, kind.rotations.errors(turned));
         let width = four.width();
-        let [x, y, z] = rotations.locked_axes(first.axes());
+        let [x, y, z] = kind.rotations.locked_axes(first.axes());
         let axes = [rows_of(x, zero), rows_of(y, zero), rows_of(z, zero)];
         by_place!(k of 4 {
             let joint = &mut joints[numbers[k]];
@@ -161,11 +210,19 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
                 errors[1][k].store(&mut joint.errors[1]);
             }
             by_place!(rotation of 3 {
-                if rotation < rotations.locked() {
+                if rotation < kind.turning_rows() {
                     axes[rotation][k].store(&mut joint.angular[3 + rotation]);
                 }
             });
         });
+        if kind.has_free_row {
+            let turned = rows(turned);
+            by_place!(k of 4 {
+                let mut of_joint = [0.0; 4];
+                turned[k].store(&mut of_joint);
+                joints[numbers[k]].set_hinge_value(quaternion(&of_joint));
+            });
+        }
     }
 
     /// Of each joint, along its rows, out of those of all rows.
@@ -173,7 +230,7 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
     pub(super) fn impulses(&self, matrix: &BlockLdl, impulses: &[Four]) -> Along<T> {
         let begins = of_each!(self.numbers, number => matrix.start(number));
         let (linear, first) = vectors::<T>(of_each!(begins, begin => &impulses[begin]));
-        if self.rotations.locked() == 0 {
+        if self.kind.turning_rows() == 0 {
             return (linear, [self.zero; 3]);
         }
         let (Vec3 { x, y, .. }, _) = vectors::<T>(of_each!(begins, begin => &impulses[begin + 1]));
@@ -185,7 +242,7 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
     fn angular(&self, about: [T; 3]) -> Vec3<T> {
         let mut sum = Vec3::splat(self.zero);
         by_place!(rotation of 3 {
-            if rotation < self.rotations.locked() {
+            if rotation < self.kind.turning_rows() {
                 let of_row = self.axis(rotation) * about[rotation];
                 sum = if rotation == 0 { of_row } else { sum + of_row };
             }
@@ -207,16 +264,38 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
                 if first.is_moved() {
                     (T::load(&first.linear) - linear[k]).store(&mut first.linear);
                     let turned = T::load(&first.angular) - torques[0][k];
-                    let turned = if self.rotations.locked() > 0 { turned - angular[k] } else { turned };
+                    let turned = if self.kind.turning_rows() > 0 { turned - angular[k] } else { turned };
                     turned.store(&mut first.angular);
                 }
                 let second = &mut bodies[b];
                 if second.is_moved() {
                     (T::load(&second.linear) + linear[k]).store(&mut second.linear);
                     let turned = T::load(&second.angular) + torques[1][k];
-                    let turned = if self.rotations.locked() > 0 { turned + angular[k] } else { turned };
+                    let turned = if self.kind.turning_rows() > 0 { turned + angular[k] } else { turned };
                     turned.store(&mut second.angular);
                 }
+            }
+        });
+    }
+
+    /// Adds what these impulses are to the bodies, linear and angular, to those of all bodies.
+    #[inline(always)]
+    pub(super) fn add_impulses(&self, (linear, about): Along<T>, impulses: &mut [[Four; 2]]) {
+        let angular = self.angular(about);
+        let turns = self.kind.turning_rows() > 0;
+        let torques = [self.arms(0).0.cross(linear), self.arms(1).0.cross(linear)];
+        let torques = if turns { [torques[0] + angular, torques[1] + angular] } else { torques };
+        let torques = [rows_of(torques[0], self.zero), rows_of(torques[1], self.zero)];
+        let linear = rows_of(linear, self.zero);
+        by_place!(k of 4 {
+            if is_new(self.numbers, k) {
+                let [a, b] = self.joints[k].bodies;
+                let [of_first, turning] = &mut impulses[a];
+                (T::load(of_first) - linear[k]).store(of_first);
+                (T::load(turning) - torques[0][k]).store(turning);
+                let [of_second, turning] = &mut impulses[b];
+                (T::load(of_second) + linear[k]).store(of_second);
+                (T::load(turning) + torques[1][k]).store(turning);
             }
         });
     }
@@ -233,7 +312,7 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
                 let [of_joint, turning] = &mut done[self.numbers[k]];
                 (T::load(of_joint) + linear[k]).store(of_joint);
                 let sum = T::load(turning);
-                let sum = if self.rotations.locked() > 0 { sum + angular[k] } else { sum };
+                let sum = if self.kind.turning_rows() > 0 { sum + angular[k] } else { sum };
                 (sum + moments[k]).store(turning);
             }
         });
@@ -276,26 +355,26 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
         (translation, orientation, anchor, frame)
     }
 
-    /// By four of rows and by joint, what vectors and numbers about locked rotations are by row.
+    /// By four of rows and by joint, what vectors and numbers about axes are by row.
     #[inline(always)]
     fn rows(&self, linear: Vec3<T>, [first, second, third]: [T; 3]) -> [[T; 4]; 2] {
         let rows = rows_of(linear, first);
-        [rows, if self.rotations.locked() > 1 { T::transpose([second, third, self.zero, self.zero]) } else { rows }]
+        [rows, if self.kind.turning_rows() > 1 { T::transpose([second, third, self.zero, self.zero]) } else { rows }]
     }
 }
 
-/// About what the rows of a locked rotation of joints turn.
+/// About what the first, second or third of the turning rows of joints turn.
 #[inline(always)]
 pub(super) fn axes_of<T: FourLane>(joints: [&JointRows; 4], rotation: usize) -> Vec3<T> {
     vectors(of_each!(joints, joint => &joint.angular[3 + rotation])).0
 }
 
-/// Sets what is left of the errors of a joint after a substep of `h` \[s\].
+/// Sets what is left of the errors of a joint's locked axes after a substep of `h` \[s\].
 #[inline(always)]
-pub(super) fn plan_pinned<T: FourLane>(joint: &mut JointRows, rotations: Rotations, h: f64) {
+pub(super) fn plan_pinned<T: FourLane>(joint: &mut JointRows, kind: PinnedKind, h: f64) {
     let [linear, angular] = [true, false].map(|is_linear| h * correction_speed(is_linear));
     let limits = [[linear, linear, linear, angular], [angular; 4]];
-    for (w, limit) in limits.iter().enumerate().take(fours(3 + rotations.locked())) {
+    for (w, limit) in limits.iter().enumerate().take(fours(3 + kind.rotations.locked())) {
         let (error, most) = (T::load(&joint.errors[w]), T::load(limit));
         left_of_error(error, most).store(&mut joint.wanted[w]);
     }

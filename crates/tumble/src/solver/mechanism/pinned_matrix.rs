@@ -1,4 +1,4 @@
-//! The matrix of a mechanism whose joints are all pinned and alike, four blocks at a time.
+//! The matrix of a mechanism whose joints are all of one kind, four blocks at a time.
 #![allow(clippy::needless_range_loop, reason = "rows and columns are numbers of the matrix")]
 
 use tumble_math::lane::Vec3;
@@ -7,13 +7,14 @@ use crate::integrators::derived::symmetric_product;
 use crate::simd::{Four, FourLane};
 use crate::solver::mechanism::block_kernels::fours;
 use crate::solver::mechanism::fours::{by_place, four_of, is_new, of_each, vectors};
+use crate::solver::mechanism::free_row::FreeRow;
 use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::mechanism_matrix::Coupling;
 use crate::solver::mechanism::mechanism_solver::MechanismSolver;
 use crate::solver::mechanism::pinned_joints::{PinnedJoints, axes_of};
-use crate::solver::mechanism::rotations::Rotations;
+use crate::solver::mechanism::pinned_kind::PinnedKind;
 
-/// What turns bodies of four joints at an end: the arms, and the axes of locked rotations.
+/// What turns bodies of four joints at an end: the arms, and the axes of turning rows.
 struct Levers<T> {
     arm: Vec3<T>,
     axes: [Vec3<T>; 3],
@@ -24,13 +25,13 @@ type InverseInertia<T> = (Vec3<T>, Vec3<T>);
 
 impl<T: FourLane> Levers<T> {
     #[inline(always)]
-    fn of(joints: [&JointRows; 4], ends: [usize; 4], rotations: Rotations) -> Self {
+    fn of(joints: [&JointRows; 4], ends: [usize; 4], kind: PinnedKind) -> Self {
         let [e, f, g, h] = ends;
         let [a, b, c, d] = joints;
         let (arm, _) = vectors::<T>([&a.arms[e], &b.arms[f], &c.arms[g], &d.arms[h]]);
         let mut axes = [Vec3::splat(T::splat(0.0)); 3];
         by_place!(rotation of 3 {
-            if rotation < rotations.locked() {
+            if rotation < kind.turning_rows() {
                 axes[rotation] = axes_of(joints, rotation);
             }
         });
@@ -63,28 +64,28 @@ impl<T: FourLane> Levers<T> {
 }
 
 impl MechanismSolver {
-    /// Sets the matrix where all joints lock all translations and these rotations: `N` rows each.
+    /// Sets the matrix where all joints are of this kind, of `N` rows.
     #[inline(always)]
-    pub(super) fn assemble_alike<T: FourLane, const N: usize>(&mut self, rotations: Rotations) {
+    pub(super) fn assemble_alike<T: FourLane, const N: usize>(&mut self, kind: PinnedKind) {
         self.filled.iter().for_each(|block| self.matrix.clear(*block));
         for first in (0..self.joints.len()).step_by(4) {
-            self.set_diagonals::<T, N>(first, rotations);
+            self.set_diagonals::<T, N>(first, kind);
         }
         for first in (0..self.couplings.len()).step_by(4) {
-            self.set_couplings::<T, N>(first, rotations);
+            self.set_couplings::<T, N>(first, kind);
         }
     }
 
     #[inline(always)]
-    fn set_diagonals<T: FourLane, const N: usize>(&mut self, first: usize, rotations: Rotations) {
+    fn set_diagonals<T: FourLane, const N: usize>(&mut self, first: usize, kind: PinnedKind) {
         let Self { joints, bodies, matrix, .. } = self;
-        let four = PinnedJoints::<T>::of(joints, first, rotations);
+        let four = PinnedJoints::<T>::of(joints, first, kind);
         let zero = T::splat(0.0);
         let mut sums = [[zero; N]; N];
         let mut inverse_mass = zero;
         for end in 0..2 {
             let bodies = four.bodies(bodies, end);
-            let levers = Levers::of(four.joints(), [end; 4], rotations);
+            let levers = Levers::of(four.joints(), [end; 4], kind);
             let inertia = inverse_inertia::<T>(of_each!(bodies, body => &body.inverse_inertia));
             for row in 0..N {
                 let response = levers.response(row, inertia);
@@ -94,6 +95,15 @@ impl MechanismSolver {
                 }
             }
             inverse_mass = inverse_mass + vectors::<T>(of_each!(bodies, body => &body.linear)).1;
+        }
+        if kind.has_free_row {
+            let softness = softness_of_free::<T>(four.joints());
+            let is_off = is_infinite(softness);
+            for column in 0..N {
+                let sum = sums[N - 1][column];
+                let (sum, in_place) = if column == N - 1 { (sum + softness, T::splat(1.0)) } else { (sum, zero) };
+                sums[N - 1][column] = T::select(is_off, in_place, sum);
+            }
         }
         let softness = T::load(&of_each!(four.numbers(), number => matrix.softness(number)));
         let mut raised = [zero; N];
@@ -121,7 +131,7 @@ impl MechanismSolver {
     }
 
     #[inline(always)]
-    fn set_couplings<T: FourLane, const N: usize>(&mut self, first: usize, rotations: Rotations) {
+    fn set_couplings<T: FourLane, const N: usize>(&mut self, first: usize, kind: PinnedKind) {
         let Self { joints, bodies, matrix, couplings, .. } = self;
         let numbers = four_of(first, couplings.len());
         let four: [&Coupling; 4] = of_each!(numbers, number => &couplings[number]);
@@ -129,8 +139,8 @@ impl MechanismSolver {
             (of_each!(four, it => &joints[it.joints[side] as usize]), of_each!(four, it => usize::from(it.ends[side])))
         };
         let ((of_rows, row_ends), (of_columns, column_ends)) = (side(0), side(1));
-        let rows = Levers::<T>::of(of_rows, row_ends, rotations);
-        let columns = Levers::<T>::of(of_columns, column_ends, rotations);
+        let rows = Levers::<T>::of(of_rows, row_ends, kind);
+        let columns = Levers::<T>::of(of_columns, column_ends, kind);
         let inertia = inverse_inertia::<T>(of_each!(four, it => &bodies[it.body as usize].inverse_inertia));
         let sign = T::load(&of_each!(four, it => it.sign));
         let inverse_mass = sign * T::load(&of_each!(four, it => bodies[it.body as usize].inverse_mass()));
@@ -141,6 +151,14 @@ impl MechanismSolver {
             for row in 0..N {
                 let sum = sign * rows.speed(row, response);
                 sums[row][column] = if row == column && row < 3 { inverse_mass + sum } else { sum };
+            }
+        }
+        if kind.has_free_row {
+            let row_is_off = is_infinite(softness_of_free::<T>(of_rows));
+            let column_is_off = is_infinite(softness_of_free::<T>(of_columns));
+            for k in 0..N {
+                sums[N - 1][k] = T::select(row_is_off, zero, sums[N - 1][k]);
+                sums[k][N - 1] = T::select(column_is_off, zero, sums[k][N - 1]);
             }
         }
         let rows = quads_of_rows(&sums);
@@ -156,6 +174,18 @@ impl MechanismSolver {
             }
         });
     }
+}
+
+/// What is added to the diagonal of the free rows of joints.
+#[inline(always)]
+fn softness_of_free<T: FourLane>(joints: [&JointRows; 4]) -> T {
+    T::load(&of_each!(joints, joint => FreeRow::softness_of_first(&joint.free_rows)))
+}
+
+/// Where a number is infinite, of those that are not negative.
+#[inline(always)]
+fn is_infinite<T: FourLane>(number: T) -> T::Mask {
+    T::splat(f64::MAX).lt(number)
 }
 
 #[inline(always)]

@@ -4,6 +4,11 @@ use tumble_math::lane::{Quat, Vec3};
 
 use crate::Rng;
 use crate::joints::axes::Axes;
+use crate::joints::drives::Drive;
+use crate::joints::friction::JointFriction;
+use crate::joints::joint_options::JointOptions;
+use crate::joints::limits::{Limit, Limits};
+use crate::math::Real;
 use crate::solver::mechanism::fours::{row, row_of, vector};
 use crate::solver::mechanism::joint_rows::{Anchor, JointRows};
 use crate::solver::mechanism::mechanism_body::MechanismBody;
@@ -45,7 +50,13 @@ fn bodies(rng: &mut Rng, count: usize) -> Vec<MechanismBody> {
 }
 
 /// A joint that is nearly met where two bodies are.
-fn joint(rng: &mut Rng, ends: [usize; 2], bodies: &[MechanismBody], free: Axes) -> JointRows {
+fn joint(
+    rng: &mut Rng,
+    ends: [usize; 2],
+    bodies: &[MechanismBody],
+    free: Axes,
+    options: Option<&JointOptions>,
+) -> JointRows {
     let point = (bodies[ends[0]].position() + bodies[ends[1]].position()) * 0.5;
     let frame = Quat::from_parts(1.0, vector_of(rng, 1.0)).normalize();
     let anchors = ends.map(|end| {
@@ -54,7 +65,33 @@ fn joint(rng: &mut Rng, ends: [usize; 2], bodies: &[MechanismBody], free: Axes) 
         let orientation = body.orientation().conjugate() * frame;
         Anchor { position: row_of(position, 0.0), orientation: row(orientation) }
     });
-    JointRows::new(ends, anchors, free, None)
+    let mut joint = JointRows::new(ends, anchors, free, options);
+    options.into_iter().for_each(|options| joint.take_options(options, 0.0));
+    joint
+}
+
+/// What acts about the axis of a hinge: a spring, a motor that may give all it has, a range that the
+/// hinge is in, at the end of or beyond, or friction, or several of these.
+fn options(rng: &mut Rng) -> JointOptions {
+    let mut options = JointOptions::default();
+    let x = Axes::ANGULAR_X;
+    let kinds = 1 + below(rng, 15);
+    if kinds & 1 != 0 {
+        let drive = Drive::position(x, between(rng, -1.0, 1.0) as Real);
+        options.drives.push(drive.with_frequency(between(rng, 0.5, 20.0) as Real, 1.0));
+    }
+    if kinds & 2 != 0 {
+        let drive = Drive::velocity(x, between(rng, -2.0, 2.0) as Real);
+        options.drives.push(drive.with_max_force(10.0_f64.powf(between(rng, -4.0, 4.0)) as Real));
+    }
+    if kinds & 4 != 0 {
+        let low = between(rng, -0.02, 0.01);
+        options.limits = Limits::along(x, Limit::new(low as Real, (low + between(rng, 0.0, 0.02)) as Real));
+    }
+    if kinds & 8 != 0 {
+        options.friction = JointFriction::along(x, 10.0_f64.powf(between(rng, -4.0, 2.0)) as Real);
+    }
+    options
 }
 
 /// What a mechanism is after a few substeps: bodies, and what joints have done.
@@ -79,25 +116,28 @@ fn advanced(joints: &[JointRows], bodies: &[MechanismBody], by_four: bool) -> Ve
 #[test]
 fn four_joints_at_a_time_do_what_one_after_the_other_does() {
     let kinds = [Axes::ANGULAR, Axes::ANGULAR_X, Axes::NONE, Axes::ANGULAR_Y, Axes::ANGULAR_X | Axes::ANGULAR_Y];
-    let (mut rng, mut alike, mut moved) = (Rng::new(27), 0, 0);
-    for case in 0..200 {
+    let (mut rng, mut alike, mut driven, mut moved) = (Rng::new(27), 0, 0, 0);
+    for case in 0..300 {
         let count = 2 + below(&mut rng, 11);
         let bodies = bodies(&mut rng, count);
-        let kind = below(&mut rng, 5);
+        let is_driven = case % 2 == 0;
+        let kind = if is_driven { 1 } else { below(&mut rng, 5) };
         let mut joints = Vec::new();
         for second in 1..count {
             let first = if below(&mut rng, 2) == 0 { second - 1 } else { below(&mut rng, second) };
             let free = if case % 3 == 0 { kinds[below(&mut rng, 5)] } else { kinds[kind] };
-            joints.push(joint(&mut rng, [first, second], &bodies, free));
+            let options = (is_driven && free == Axes::ANGULAR_X).then(|| options(&mut rng));
+            joints.push(joint(&mut rng, [first, second], &bodies, free, options.as_ref()));
         }
         if case % 4 == 0 && count > 2 {
-            joints.push(joint(&mut rng, [0, count - 1], &bodies, kinds[kind]));
+            joints.push(joint(&mut rng, [0, count - 1], &bodies, kinds[kind], None));
         }
         let [fours, one_by_one] = [true, false].map(|by_four| advanced(&joints, &bodies, by_four));
         let differs = fours.iter().zip(&one_by_one).position(|(a, b)| a != b);
         assert_eq!(differs, None, "case {case}: {count} bodies, kind {kind}");
         alike += usize::from(case % 3 != 0 && kind < 3);
+        driven += usize::from(case % 3 != 0 && is_driven);
         moved += usize::from(fours.iter().any(|number| *number != 0.0));
     }
-    assert!(alike > 50 && moved == 200, "{alike} were alike, {moved} moved");
+    assert!(alike > 120 && driven == 100 && moved == 300, "{alike} were alike, {driven} driven, {moved} moved");
 }

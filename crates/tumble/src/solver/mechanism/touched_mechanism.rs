@@ -6,6 +6,7 @@ use tumble_math::lane::Vec3;
 use crate::simd::Four;
 use crate::solver::direct::direct_contact::Push;
 use crate::solver::direct::direct_contacts::{ContactStage, DirectContacts};
+use crate::solver::mechanism::fours::{row_of, vector};
 use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::mechanism_solver::{Half, MechanismSolver};
 
@@ -19,6 +20,7 @@ impl MechanismSolver {
         self.plan_corrections(h);
         contacts.solve(self, half, stage);
         self.take_solution();
+        self.find_free_speeds();
         self.note_springs();
         self.note_impulses(true);
         self.take_loads(h);
@@ -61,7 +63,7 @@ impl MechanismSolver {
     /// The velocities of a body once the impulses on the right side act, of which the response is
     /// set.
     pub(crate) fn velocities_to_be(&self, body: usize) -> [Vec3<f64>; 2] {
-        let [linear, angular] = self.velocities[body];
+        let [linear, angular] = self.response_of(body);
         let of_body = &self.bodies[body];
         [of_body.linear_velocity() + linear, of_body.angular_velocity() + angular]
     }
@@ -77,13 +79,13 @@ impl MechanismSolver {
 
     /// The velocities that the response gives a body.
     pub(crate) fn response_of(&self, body: usize) -> [Vec3<f64>; 2] {
-        self.velocities[body]
+        self.velocities[body].map(|v| vector(&v))
     }
 
     /// Sets how these impulses change velocities, with the joints as they are in the matrix; those
     /// on bodies beside the mechanism change nothing. The right side is lost.
     pub(crate) fn respond(&mut self, pushes: &[Push]) {
-        let Self { joints, bodies, matrix, right, velocities, pushed, .. } = self;
+        let Self { joints, bodies, matrix, right, pushed, .. } = self;
         for Push { body, linear, torque } in pushes {
             let (Some(of_body), Some(sum)) = (bodies.get(*body), pushed.get_mut(*body)) else { continue };
             let by = of_body.response_to([*linear, *torque]);
@@ -100,11 +102,10 @@ impl MechanismSolver {
                 }
             }
         }
-        velocities.fill([Vec3::zero(); 2]);
         self.solve_right_side();
         self.set_response();
         for (of_body, pushed) in self.velocities.iter_mut().zip(&mut self.pushed) {
-            *of_body = [of_body[0] + pushed[0], of_body[1] + pushed[1]];
+            *of_body = [0, 1].map(|i| row_of(vector(&of_body[i]) + pushed[i], 0.0));
             *pushed = [Vec3::zero(); 2];
         }
     }
