@@ -1,9 +1,9 @@
 //! Worlds so small that what counts is what a step costs besides its bodies: none to a hundred
 //! boxes, called as a game calls it, from a thread that is not one of rayon's.
 //!
-//! `step` is one step; `step_many` is 120, divided by 120 in the throughput; `compounds in each
-//! other` is a step of two bodies of ten and of forty balls, all in each other: an element is a pair
-//! of balls.
+//! `step` is one step; `step_many` is 120, divided by 120 in the throughput. `compounds in each
+//! other` is a step of two bodies of ten or forty balls, all in each other; an element is a pair of
+//! balls.
 //! `cargo bench --bench small_worlds -- step/`.
 
 mod setup;

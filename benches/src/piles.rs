@@ -58,23 +58,28 @@ pub fn falling_balls(count: usize) -> World {
 }
 
 /// Two bodies in the air of this many balls each, every ball of one in every ball of the other.
-#[allow(clippy::expect_used, reason = "the bodies and colliders made here are possible")]
 pub fn compounds_in_each_other(count: usize) -> World {
     let mut world = World::new();
     for x in [-0.01, 0.01] {
         let mut draw = Lcg(37);
-        let parts = (0..count).map(|_| {
-            let [x, y, z] = [0.0; 3].map(|_: f64| draw.around(0.1) as Real);
-            let position = Vec3::new(x, y, z);
-            Collider::new(&Shape::sphere(0.5)).and_then(|ball| ball.with_offset(Pose { position, ..Pose::default() }))
+        let places = (0..count).map(|_| {
+            let [x, y, z] = [0.1; 3].map(|reach| draw.around(reach) as Real);
+            Vec3::new(x, y, z)
         });
-        let parts: Result<Vec<_>, _> = parts.collect();
-        let collider = parts.and_then(Collider::compound).expect("a possible collider");
-        let body = RigidBody::new(Shape::sphere(0.5)).mass(1.0).position(Vec3::X * x);
-        let body = body.angular_velocity(Vec3::new(0.3, 1.0, -0.5)).build().expect("a possible body");
-        body.spawn_with(&mut world, (collider,));
+        spawn_compound(&mut world, Vec3::X * x, places);
     }
     world
+}
+
+/// Spawns a body of balls of a metre across in these places of it.
+#[allow(clippy::expect_used, reason = "the bodies and colliders made here are possible")]
+fn spawn_compound(world: &mut World, at: Vec3, places: impl Iterator<Item = Vec3>) {
+    let ball = Shape::sphere(0.5);
+    let part = |position| Collider::new(&ball).and_then(|ball| ball.with_offset(Pose { position, ..Pose::default() }));
+    let parts: Result<Vec<_>, _> = places.map(part).collect();
+    let collider = parts.and_then(Collider::compound).expect("a possible collider");
+    let body = RigidBody::new(ball.clone()).mass(1.0).position(at).angular_velocity(Vec3::new(0.3, 1.0, -0.5));
+    body.build().expect("a possible body").spawn_with(world, (collider,));
 }
 
 /// The `index`th of many small worlds: eight tumbling unit boxes of 1 kg above the ground.

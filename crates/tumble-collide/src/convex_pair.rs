@@ -4,7 +4,7 @@
 use tumble_math::lane::Quat;
 
 use crate::collider_shape::{ColliderShape, Isometry};
-use crate::epa::penetration;
+use crate::epa::{Penetration, penetration, penetration_of_flat};
 use crate::face_clipping::FaceClipping;
 use crate::feature::Near;
 use crate::gjk::{Nearest, nearest};
@@ -41,26 +41,24 @@ pub(crate) fn approach(shapes: &Difference<'_>, limit: f64) -> Option<Approach> 
             let distance = between.dot(between).sqrt();
             Approach { normal: between * (1.0 / distance), between: distance, lead: 0.0, on_first }
         }
-        Nearest::Overlap(simplex) => match penetration(shapes, &simplex) {
-            Some(found) => {
-                let between = shapes.separation(found.normal);
-                Approach { normal: found.normal, between, lead: 0.0, on_first: found.on_first }
-            }
-            None => flat(shapes),
-        },
+        Nearest::Overlap(simplex) => {
+            let found = penetration(shapes, &simplex).unwrap_or_else(|| flat(shapes));
+            let between = shapes.separation(found.normal);
+            Approach { normal: found.normal, between, lead: 0.0, on_first: found.on_first }
+        }
     };
     let is_finite = found.between < limit && found.normal.dot(found.normal) > 0.5;
     is_finite.then_some(found)
 }
 
 /// Shapes whose difference has no volume: a point in a triangle, or edges that cross.
-fn flat(shapes: &Difference<'_>) -> Approach {
+fn flat(shapes: &Difference<'_>) -> Penetration {
     let apart = shapes.place(shapes.second.middle()) - shapes.first.middle();
     let up = Vector::new(0.0, 1.0, 0.0);
     // A triangle without area has none.
     let of_face = shapes.first.face_normal(apart).filter(|normal| normal.dot(*normal) > 0.5);
     let normal = of_face.unwrap_or(if apart.dot(apart) > 0.0 { unit(apart) } else { up });
-    Approach { normal, between: shapes.separation(normal), lead: 0.0, on_first: shapes.first.support(normal) }
+    penetration_of_flat(shapes, normal)
 }
 
 /// Along the normal of a face of either where that is as good.

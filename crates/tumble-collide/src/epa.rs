@@ -93,6 +93,21 @@ pub(crate) fn penetration(shapes: &Difference<'_>, simplex: &Simplex) -> Option<
     Some(if is_certain { found } else { shortest(shapes, found, overlap, polyhedron.scale) })
 }
 
+/// The same where the difference is flat: along a normal, or near it where that is shorter.
+pub(crate) fn penetration_of_flat(shapes: &Difference<'_>, normal: Vector) -> Penetration {
+    let along = Penetration { normal, on_first: shapes.first.support(normal) };
+    refined(shapes, along, -shapes.separation(normal), scale_of(shapes)).1
+}
+
+/// How far the difference reaches.
+fn scale_of(shapes: &Difference<'_>) -> f64 {
+    let square = AXES.iter().fold(0.0, |square, axis| {
+        let both = [shapes.support(*axis).point, shapes.support(*axis * -1.0).point];
+        both.iter().fold(square, |square, point| f64::max(square, point.dot(*point)))
+    });
+    square.sqrt()
+}
+
 /// The shortest way out of those near a given one and near the axes of both shapes.
 fn shortest(shapes: &Difference<'_>, found: Penetration, overlap: f64, scale: f64) -> Penetration {
     work::uncertain();
@@ -163,11 +178,7 @@ impl Polyhedron {
     /// A tetrahedron that has the simplex's corners.
     fn around(shapes: &Difference<'_>, simplex: &Simplex) -> Option<Self> {
         let mut points: Vec<Reached> = simplex.corners().collect();
-        let scale = AXES.iter().fold(0.0, |scale, axis| {
-            let both = [shapes.support(*axis).point, shapes.support(*axis * -1.0).point];
-            both.iter().fold(scale, |scale, point| f64::max(scale, point.dot(*point)))
-        });
-        let scale = scale.sqrt();
+        let scale = scale_of(shapes);
         if !scale.is_finite() {
             return None;
         }

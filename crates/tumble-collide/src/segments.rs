@@ -2,7 +2,6 @@
 //! balls and capsules, and balls beside boxes.
 
 use crate::capsule::nearest_of_segments;
-use crate::gjk::on_segment;
 use crate::minkowski::Difference;
 use crate::support_map::{Convex, Vector};
 
@@ -38,8 +37,9 @@ const TOUCHING: f64 = 1e-10;
 
 /// The point of a segment, given by its middle and half of it, that is nearest to another.
 fn on_line(middle: Vector, half: Vector, point: Vector) -> Vector {
-    let [a, b] = on_segment(middle - half - point, middle + half - point);
-    middle + half * (b - a)
+    let square = half.dot(half);
+    let along = half.dot(point - middle);
+    middle + half * if square > 0.0 { (along / square).clamp(-1.0, 1.0) } else { 0.0 }
 }
 
 /// Of a segment about the origin and another: inside both, or where one of four ends is nearest.

@@ -161,7 +161,7 @@ fn check(pair: &Pair, found: &Approach) -> Result<(), TestCaseError> {
     let along = shapes.separation(found.normal);
     // Points that are known to rounding give a direction to that part of how far they are apart.
     let turned = f64::EPSILON * (pair.size + far) / found.between.max(1e-11 * pair.size);
-    // Squares say what is nearest, and have as few digits as that: places across have half of these.
+    // Squares say what is nearest, and have no more digits: places across have half of these.
     let noise = if found.between > 0.0 { (16.0 * turned + 4.0 * turned.sqrt()) * pair.size } else { 0.0 };
     prop_assert!((along - found.between).abs() <= slack + noise, "{along} along {found:?}");
     if found.between > slack {

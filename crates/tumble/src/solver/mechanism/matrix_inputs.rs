@@ -57,12 +57,14 @@ trait Numbers: Copy {
 }
 
 impl Numbers for f64 {
+    #[inline(always)]
     fn differing_bits(self, other: Self) -> u64 {
         self.to_bits() ^ other.to_bits()
     }
 }
 
 impl<T: Numbers, const N: usize> Numbers for [T; N] {
+    #[inline(always)]
     fn differing_bits(self, other: Self) -> u64 {
         self.into_iter().zip(other).fold(0, |bits, (a, b)| bits | a.differing_bits(b))
     }

@@ -21,8 +21,8 @@ pub(super) enum Impulses {
     OfSolution,
 }
 
-/// Goes through joints in fours, by the kind that four of them have in common: as a constant, or one
-/// joint after the other where they have none.
+/// Goes through joints in fours, by the kind that four of them have in common: as a constant, or
+/// one joint after the other where they have none.
 macro_rules! in_fours {
     ($alike:ident => |$first:ident, $kind:ident| $pinned:expr, $joints:expr => |$number:ident, $joint:ident| $mixed:expr) => {
         for ($first, alike) in (0..).step_by(4).zip(&*$alike) {
@@ -380,8 +380,8 @@ fn add_impulses_of(joint: &JointRows, along: &[f64], impulses: &mut [[Four; 2]])
         *of_body = row_of(vector(of_body) + linear, 0.0);
         *turning = row_of(vector(turning) + torque, 0.0);
     };
-    for end in 0..2 {
-        add(joint.bodies[end], impulse * SIGNS[end], (joint.arm(end).cross(impulse) + angular) * SIGNS[end]);
+    for ((body, arm), sign) in joint.bodies.into_iter().zip(joint.arms()).zip(SIGNS) {
+        add(body, impulse * sign, (arm.cross(impulse) + angular) * sign);
     }
     if let Some(gear) = &joint.gear {
         gear.for_each_end(along[0], |body, arm, impulse, angular| add(body, impulse, arm.cross(impulse) + angular));

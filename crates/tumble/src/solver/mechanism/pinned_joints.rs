@@ -161,8 +161,8 @@ impl<'a, T: FourLane> PinnedJoints<'a, T> {
         });
     }
 
-    /// By four of rows and by joint: what is left of the errors of locked axes; and the largest of each joint, of
-    /// the size of its arms or \[rad\].
+    /// By four of rows and by joint: what is left of the errors of locked axes; and the largest of
+    /// each joint, of the size of its arms or \[rad\].
     #[inline(always)]
     pub(super) fn errors_left(&self, bodies: &[MechanismBody]) -> ([[T; 4]; 2], T) {
         let (_, gap, [first, second]) = self.stand(bodies);

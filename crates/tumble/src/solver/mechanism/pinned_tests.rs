@@ -70,8 +70,8 @@ fn joint(
     joint
 }
 
-/// What acts about the axis of a hinge: a spring, a motor that may give all it has, a range that the
-/// hinge is in, at the end of or beyond, or friction, or several of these.
+/// What acts about the axis of a hinge: a spring, a motor that may give all it has, a range that
+/// the hinge is in, at the end of or beyond, or friction, or several of these.
 fn options(rng: &mut Rng) -> JointOptions {
     let mut options = JointOptions::default();
     let x = Axes::ANGULAR_X;
