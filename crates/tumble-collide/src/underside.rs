@@ -68,11 +68,11 @@ pub(crate) fn stood_on(
     let Some(facet) = Facet::under(&points, up) else { return few };
     let corners = || points.clone().enumerate().map(|(index, point)| facet.corner(index, &point));
     let mut chosen = Chosen { corners: [None; MAX_MANIFOLD_POINTS] };
-    chosen.fill(&corners(), &facet);
-    let slack = AS_NEAR * f64::min(facet.extent, margin) + pressed(facet.lowest.height, margin);
-    if chosen.keep(facet.lowest, slack) {
-        chosen.fill(&corners(), &facet);
+    for _ in 0..MAX_TURNS {
+        let Some(next) = chosen.next(corners(), &facet) else { break };
+        chosen.add(next);
     }
+    chosen.keep(facet.lowest, AS_NEAR * f64::min(facet.extent, margin) + pressed(facet.lowest.height, margin));
     for (index, point) in points.enumerate() {
         if chosen.corners.iter().flatten().any(|corner| corner.index == index) {
             few.push(point);
@@ -157,14 +157,6 @@ impl Corner {
 }
 
 impl Chosen {
-    /// Takes the best of what is left for as long as there is room.
-    fn fill(&mut self, corners: &(impl Iterator<Item = Corner> + Clone), facet: &Facet) {
-        for _ in 0..MAX_TURNS {
-            let Some(next) = self.next(corners.clone(), facet) else { break };
-            self.add(next);
-        }
-    }
-
     /// The best of what is left: the outermost, the one farthest from it, the one that makes the
     /// largest triangle with both, and the one that adds most to that.
     fn next(&self, corners: impl Iterator<Item = Corner>, facet: &Facet) -> Option<Corner> {
@@ -222,13 +214,11 @@ impl Chosen {
     }
 
     /// Where none is as low as the lowest, that takes the place of one of four without which they
-    /// are widest, of fewer of the one closest to it, and of those behind it. Returns whether there
-    /// is room for others now.
-    fn keep(&mut self, lowest: Corner, slack: f64) -> bool {
+    /// are widest, of fewer of the one closest to it, and of those behind it.
+    fn keep(&mut self, lowest: Corner, slack: f64) {
         if self.corners.iter().flatten().any(|corner| corner.height <= lowest.height + slack) {
-            return false;
+            return;
         }
-        let count = self.corners.iter().flatten().count();
         let mut best: Option<(f64, usize)> = None;
         for (index, corner) in self.corners.iter().enumerate() {
             let Some(corner) = corner else { continue };
@@ -246,7 +236,6 @@ impl Chosen {
             self.corners[index] = None;
             self.add(lowest);
         }
-        self.corners.iter().flatten().count() < count
     }
 }
 

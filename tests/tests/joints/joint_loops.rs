@@ -2,18 +2,20 @@
 //! geometry, whether driven or free: a slider-crank at every angle of its crank, and in both
 //! precisions a parallelogram through the positions in which all its links lie in one line. Energy
 //! has no drift beyond 3e-5 of what the parallelogram swings with, to 200 m from the origin but for
-//! rounding there, and no force stands across the plane, where nothing pulls.
+//! rounding there, and no force stands across the plane, where nothing pulls. Friction in the
+//! joints of a loop opens none of them.
 //!
 //! Why: loops make the matrix of the joints singular, for good and at single positions. It fails if
 //! redundant rows push against each other, if what they push raises inertia, if the solution leaves
 //! the branch that the links move on, or if rounding of poses counts as joints that do not fit.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::jointed::*;
 use glam::{DQuat, DVec3};
 use hecs::Entity;
-use tumble::{Joint, Pose, RigidBody, Shape};
+use tumble::math::Real;
+use tumble::{Axes, Joint, JointFriction, Pose, RigidBody, Shape};
 use tumble_tests::references::real_quat;
 use tumble_tests::{DOUBLE, Draw, EPSILON, by_precision, cases};
 
@@ -167,5 +169,43 @@ fn a_parallelogram_far_from_the_origin_keeps_its_energy() {
         let mut draw = Draw::new(0xE4, case);
         let offset = draw.direction() * draw.log_between(1.0, 200.0);
         parallelogram(draw.between(8.0, 8.6), 16 + draw.between(0.0, 16.0) as u32, offset);
+    }
+}
+
+/// Bars in a polygon that turns freely, joined at its corners by balls or hinges with friction.
+#[test]
+fn loops_with_friction_stay_closed() {
+    for case in 0..u64::from(cases(120)) {
+        let mut draw = Draw::new(0x10F5, case);
+        let (size, sides) = (draw.log_between(0.01, 100.0), 3 + case as usize % 4);
+        let (rate, substeps) = (draw.log_between(30.0, 240.0), 1 << draw.between(1.0, 4.99) as u32);
+        let mut rig = Rig::new(DVec3::ZERO, 1.0 / rate, substeps);
+        // Less than 0.1 rad in a substep.
+        let turning = draw.log_between(0.01, 0.1) * rate * f64::from(substeps);
+        let turning = turning.min(20.0) * DVec3::new(0.3, draw.between(0.0, 1.0), 1.0).normalize();
+        let corner = |k: usize| size * DQuat::from_rotation_z(TAU * k as f64 / sides as f64).mul_vec3(DVec3::X);
+        let bars: Vec<Entity> = (0..sides)
+            .map(|k| {
+                let (along, at) = (corner(k + 1) - corner(k), 0.5 * (corner(k) + corner(k + 1)));
+                let turn = DQuat::from_rotation_arc(DVec3::X, along.normalize());
+                let half = 0.45 * along.length();
+                let bar = RigidBody::new(Shape::cuboid([half, 0.1 * half, 0.1 * half])).without_collider();
+                let bar = bar.mass(size.powi(3)).position(real(at)).orientation(real_quat(turn));
+                rig.spawn(bar.linear_velocity(real(turning.cross(at))).angular_velocity(real(turning)))
+            })
+            .collect();
+        let kind = [Joint::ball, Joint::hinge][case as usize / 4 % 2];
+        let torque = draw.log_between(1e-2, 1e2) * size.powi(5) * turning.length_squared();
+        for k in 0..sides {
+            let joint = rig.join_at(kind(bars[k], bars[(k + 1) % sides]), corner(k + 1), DVec3::Z);
+            rig.world.insert_one(joint, JointFriction::along(Axes::ANGULAR, torque as Real)).unwrap();
+        }
+        let mut gap = 0.0_f64;
+        for _ in 0..200 {
+            rig.step();
+            gap = gap.max(rig.largest_gap());
+        }
+        println!("case {case}: {:.1e} of the size", gap / size);
+        assert!(gap < 3e-5 * size, "case {case}, {sides} sides of {size} m: {gap}");
     }
 }

@@ -141,6 +141,11 @@ impl BlockLdl {
         self.dependence != Dependence::None
     }
 
+    /// Whether rows of several joints may depend on each other.
+    pub(super) fn has_loops(&self) -> bool {
+        self.dependence == Dependence::BetweenJoints
+    }
+
     /// By how much of itself a number on the diagonal of no soft row is raised.
     #[inline(always)]
     fn regularization(&self) -> f64 {

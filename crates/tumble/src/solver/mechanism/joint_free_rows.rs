@@ -165,12 +165,14 @@ impl JointRows {
         }
     }
 
-    /// Has friction slip where a twist, a cone or a distance is at its bound: that is nearly the
-    /// same row, and what one holds would contradict the other. Returns whether the matrix changes.
+    /// Has friction slip where a twist, a cone or a distance is at its bound, which is nearly the
+    /// same row, and where a loop is to be closed: what one holds would contradict the other.
+    /// Returns whether the matrix changes.
     fn update_slip(&mut self, phase: Phase) -> bool {
         let is_beside_bound = self.free_rows.iter().any(|row| row.axis.is_of_limit() && row.is_at_bound());
+        let slips = is_beside_bound || self.friction_yields;
         let rows = self.free_rows.iter_mut();
-        rows.fold(false, |is_changed, row| row.set_slip(is_beside_bound, phase) | is_changed)
+        rows.fold(false, |is_changed, row| row.set_slip(slips, phase) | is_changed)
     }
 
     /// Sets the errors of rows that are at a bound, as their modes have changed.

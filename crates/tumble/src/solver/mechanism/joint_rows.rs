@@ -72,6 +72,8 @@ pub(crate) struct JointRows {
     pub(crate) rotations: Rotations,
     /// Those of free axes.
     pub(crate) free_rows: Vec<FreeRow>,
+    /// Whether its friction gives way, as joints of its loop are not met.
+    pub(super) friction_yields: bool,
     /// The rotation that values of three free rotations are taken against.
     pub(super) reference: Option<Quat<f64>>,
     /// What it is in the place of a joint: its one row acts on four bodies.
@@ -122,6 +124,7 @@ impl JointRows {
             linear_count: (0..3).filter(|axis| !free.has(*axis)).count(),
             rotations: Rotations::of(free),
             free_rows,
+            friction_yields: false,
             reference: None,
             gear: None,
         }

@@ -44,8 +44,10 @@ impl MechanismSolver {
             return;
         }
         let is_first = half.phase == Phase::Positions && std::mem::replace(&mut self.is_first, false);
+        let friction_yields = self.is_softened && self.matrix.has_loops();
         let Self { joints, bodies, .. } = self;
         for joint in &mut *joints {
+            joint.friction_yields = friction_yields;
             joint.prepare(bodies, half.phase, (half.h, half.before), is_first);
         }
         joints.iter_mut().for_each(|joint| joint.push_constants(bodies));

@@ -8,7 +8,6 @@
 use tumble_math::lane::Vec3;
 
 use crate::joints::axis_lock::AxisLock;
-use crate::solver::mechanism::block_ldl::Dependence;
 use crate::solver::mechanism::free_row::FreeRow;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::mechanism::mechanism_solver::MechanismSolver;
@@ -35,7 +34,7 @@ impl MechanismSolver {
         if !matrix.may_depend() {
             return;
         }
-        let has_loops = matrix.dependence == Dependence::BetweenJoints;
+        let has_loops = matrix.has_loops();
         for (number, joint) in joints.iter().enumerate() {
             let misfit = if has_loops || joint.has_dependent_limits() { joint.misfit() } else { 0.0 };
             let is_soft = misfit > MIN_MISFIT;
