@@ -49,8 +49,6 @@ pub(crate) struct DirectContacts {
     pub(crate) rounding: f64,
     /// Whether its bodies have other contacts, in passes.
     pub(crate) has_passes: bool,
-    /// Whether a contact of its bodies, of these or in passes, pushed when that was noted.
-    pub(crate) is_held: bool,
     /// Whether work is booked.
     pub(crate) has_accounts: bool,
     /// By contact, work in the last stage.
