@@ -33,8 +33,8 @@ fn small_worlds(criterion: &mut Criterion) {
     }
 }
 
-/// With what is gone through for each pair once more for each pair, four times as many balls cost
-/// sixteen times as much a pair.
+/// A search through all pairs for each pair would cost sixteen times as much a pair with four times
+/// as many balls.
 fn compounds(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("compounds in each other");
     for balls in [10, 40] {

@@ -1,4 +1,5 @@
-//! Benchmark scenes with contacts: a pyramid of boxes, falling balls, worlds of eight boxes.
+//! Benchmark scenes with contacts: a pyramid of boxes, falling balls, compounds in each other,
+//! worlds of eight boxes.
 
 use hecs::World;
 use tumble::math::{Real, Vec3};

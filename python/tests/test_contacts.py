@@ -1,4 +1,4 @@
-"""Promise: contacts and rays tell what touches what, where, how hard and from which side."""
+"""Promise: contacts and rays tell which bodies touch, where, how hard and from which side."""
 
 from __future__ import annotations
 

@@ -59,7 +59,7 @@ const ORDERS: [(&str, &str); 6] = [
     ),
 ];
 /// Words that mean something here only.
-const DIALECT: [&str; 10] = [
+const DIALECT: [&str; 11] = [
     "so many",
     "so often",
     "so much",
@@ -70,6 +70,7 @@ const DIALECT: [&str; 10] = [
     "without end",
     "in turns",
     "by chance",
+    "what touches",
 ];
 
 /// What a crate may depend on: other members of the workspace and, where it is to stay small,

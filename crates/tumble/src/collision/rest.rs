@@ -189,8 +189,8 @@ impl CollisionPipeline {
         }
     }
 
-    /// Keeps awake what touches something that moves by itself, and disturbs what sleeps and lost
-    /// its support or carries a load that it did not fall asleep under.
+    /// Keeps awake what is in contact with something that moves by itself, and disturbs what sleeps
+    /// and lost its support or carries a load that it did not fall asleep under.
     /// A step is this `share` of the time that bodies have to be still for.
     fn disturb_by_contacts(&mut self, share: Real) {
         let Self { sleepers, contacts, colliders, .. } = self;

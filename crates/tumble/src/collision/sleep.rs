@@ -228,8 +228,8 @@ impl Sleepers {
         tired.extend(all().filter(|slot| !stays_awake[islands.root(*slot).index()]));
     }
 
-    /// Adds the sleeping bodies that contacts disturb: what touches them comes or slides faster
-    /// than they may move.
+    /// Adds the sleeping bodies that contacts disturb: a body in contact with them comes or slides
+    /// faster than they may move.
     pub(crate) fn struck(
         &self,
         contacts: &[ContactRecord],

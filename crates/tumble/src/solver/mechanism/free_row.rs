@@ -304,6 +304,7 @@ impl FreeRow {
                         None => constant += spring.constant(),
                     }
                 }
+                // Its inverse is finite.
                 if slope > f64::MIN_POSITIVE {
                     self.gamma = 1.0 / slope;
                     self.bias = (linear - constant) * self.gamma;

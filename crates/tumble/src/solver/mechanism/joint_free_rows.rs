@@ -111,12 +111,13 @@ impl JointRows {
         if !self.free_rows.iter().any(FreeRow::is_bounded) {
             return false;
         }
-        let (mut is_any, orientations) = (false, self.orientations(bodies));
-        if let (Rotations::About(axis), [row]) = (self.rotations, &mut self.free_rows[..])
-            && row.axis == FreeAxis::Rotation(axis)
+        let mut is_any = false;
+        if let (Rotations::About(axis), [FreeRow { axis: FreeAxis::Rotation(about), .. }]) =
+            (self.rotations, &self.free_rows[..])
+            && axis == *about
         {
-            let [first, second] = orientations;
-            is_any = row.meet_bound(twist(the_short_way(first.conjugate() * second), axis));
+            let [first, second] = self.orientations(bodies);
+            is_any = self.free_rows[0].meet_bound(twist(the_short_way(first.conjugate() * second), axis));
         } else {
             let stance = self.stance(bodies);
             let Self { free_rows, free, reference, .. } = self;

@@ -10,6 +10,7 @@ use crate::solver::mechanism::elimination::Elimination;
 use crate::solver::mechanism::fours::vector;
 use crate::solver::mechanism::joint_rows::JointRows;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
+use crate::solver::mechanism::mechanism_rows::kernel;
 use crate::solver::mechanism::mechanism_solver::{MechanismSolver, SIGNS};
 use crate::solver::mechanism::pinned_kind::PinnedKind;
 
@@ -163,10 +164,10 @@ impl MechanismSolver {
 
     fn assemble(&mut self) {
         match self.alike {
-            Some(PinnedKind::BALL) => dispatch_fours(AssembleAlike::<3, false> { solver: self }),
-            Some(PinnedKind::HINGE) => dispatch_fours(AssembleAlike::<5, false> { solver: self }),
-            Some(PinnedKind::DRIVEN_HINGE) => dispatch_fours(AssembleAlike::<6, true> { solver: self }),
-            Some(PinnedKind::WELD) => dispatch_fours(AssembleAlike::<6, false> { solver: self }),
+            Some(PinnedKind::BALL) => dispatch_fours(AssembleBalls { solver: self }),
+            Some(PinnedKind::HINGE) => dispatch_fours(AssembleHinges { solver: self }),
+            Some(PinnedKind::DRIVEN_HINGE) => dispatch_fours(AssembleDrivenHinges { solver: self }),
+            Some(PinnedKind::WELD) => dispatch_fours(AssembleWelds { solver: self }),
             _ => {
                 dispatch_fours(AssembleDiagonal { solver: self });
                 dispatch_fours(AssembleBlocks { solver: self });
@@ -239,46 +240,13 @@ impl MechanismSolver {
     }
 }
 
-/// Of joints of `N` rows each, that of a free axis among them or not.
-struct AssembleAlike<'a, const N: usize, const HAS_FREE_ROW: bool> {
-    solver: &'a mut MechanismSolver,
-}
-
-impl<const N: usize, const HAS_FREE_ROW: bool> FourKernel for AssembleAlike<'_, N, HAS_FREE_ROW> {
-    #[inline(always)]
-    fn run<T: FourLane>(self) {
-        let kind = match (N, HAS_FREE_ROW) {
-            (3, _) => PinnedKind::BALL,
-            (5, _) => PinnedKind::HINGE,
-            (_, true) => PinnedKind::DRIVEN_HINGE,
-            (_, false) => PinnedKind::WELD,
-        };
-        self.solver.assemble_alike::<T, N>(kind);
-    }
-}
-
-struct AssembleDiagonal<'a> {
-    solver: &'a mut MechanismSolver,
-}
-
-impl FourKernel for AssembleDiagonal<'_> {
-    #[inline(always)]
-    fn run<T: FourLane>(self) {
-        self.solver.assemble_diagonal::<T>();
-    }
-}
-
-/// Beyond the diagonal.
-struct AssembleBlocks<'a> {
-    solver: &'a mut MechanismSolver,
-}
-
-impl FourKernel for AssembleBlocks<'_> {
-    #[inline(always)]
-    fn run<T: FourLane>(self) {
-        self.solver.assemble_blocks::<T>();
-    }
-}
+// One for each number of rows: one for all would take far longer to compile.
+kernel!(AssembleBalls {} => |solver| solver.assemble_alike::<T, 3>(PinnedKind::BALL));
+kernel!(AssembleHinges {} => |solver| solver.assemble_alike::<T, 5>(PinnedKind::HINGE));
+kernel!(AssembleDrivenHinges {} => |solver| solver.assemble_alike::<T, 6>(PinnedKind::DRIVEN_HINGE));
+kernel!(AssembleWelds {} => |solver| solver.assemble_alike::<T, 6>(PinnedKind::WELD));
+kernel!(AssembleDiagonal {} => |solver| solver.assemble_diagonal::<T>());
+kernel!(AssembleBlocks {} => |solver| solver.assemble_blocks::<T>());
 
 /// Sets or adds what a body does that two joints share, of `n` and `m` rows: factors are of the
 /// linear and of the angular part. Directions of two pinned joints are not read.

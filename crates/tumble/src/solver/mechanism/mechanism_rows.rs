@@ -285,6 +285,7 @@ impl MechanismSolver {
 
 fn set_right_side_of(joint: &mut JointRows, bodies: &[MechanismBody], right: &mut [f64], bend: &[f64], rate: f64) {
     let speeds = joint.speeds(bodies);
+    joint.take_free_speeds(&speeds);
     let (speeds, errors, wanted) = (speeds.as_flattened(), joint.errors.as_flattened(), joint.wanted.as_flattened());
     for row in 0..joint.locked {
         let correction = (errors[row] - wanted[row]) * rate;
@@ -293,7 +294,6 @@ fn set_right_side_of(joint: &mut JointRows, bodies: &[MechanismBody], right: &mu
     if rate != 0.0 {
         right.iter_mut().zip(bend).take(joint.locked).for_each(|(right, bend)| *right += bend);
     }
-    joint.take_free_speeds(&joint.speeds(bodies));
     set_free_right_side(joint, right, rate);
 }
 
@@ -360,31 +360,27 @@ fn set_free_remaining(
 }
 
 fn push_by(joint: &JointRows, bodies: &mut [MechanismBody], along: &[f64]) {
-    let [impulse, angular] = joint.impulse(&along[..joint.count]);
-    for end in 0..2 {
-        let sign = SIGNS[end];
-        bodies[joint.bodies[end]].push(impulse * sign, joint.arm(end), angular * sign);
-    }
-    if let Some(gear) = &joint.gear {
-        gear.for_each_end(along[0], |body, arm, impulse, angular| {
-            bodies[body].push(impulse, arm, angular);
-        });
-    }
+    for_each_end(joint, along, |body, arm, impulse, angular| bodies[body].push(impulse, arm, angular));
 }
 
 /// Adds linear and angular impulses of a joint to those of its bodies.
 fn add_impulses_of(joint: &JointRows, along: &[f64], impulses: &mut [[Four; 2]]) {
+    for_each_end(joint, along, |body, arm, impulse, angular| {
+        let [linear, turning] = &mut impulses[body];
+        *linear = row_of(vector(linear) + impulse, 0.0);
+        *turning = row_of(vector(turning) + (arm.cross(impulse) + angular), 0.0);
+    });
+}
+
+/// What impulses along the rows of a joint are to each of its bodies: the arm, the impulse and the
+/// angular impulse beside that of the arm.
+fn for_each_end(joint: &JointRows, along: &[f64], mut visit: impl FnMut(usize, Vec3<f64>, Vec3<f64>, Vec3<f64>)) {
     let [impulse, angular] = joint.impulse(&along[..joint.count]);
-    let mut add = |body: usize, linear: Vec3<f64>, torque: Vec3<f64>| {
-        let [of_body, turning] = &mut impulses[body];
-        *of_body = row_of(vector(of_body) + linear, 0.0);
-        *turning = row_of(vector(turning) + torque, 0.0);
-    };
     for ((body, arm), sign) in joint.bodies.into_iter().zip(joint.arms()).zip(SIGNS) {
-        add(body, impulse * sign, (arm.cross(impulse) + angular) * sign);
+        visit(body, arm, impulse * sign, angular * sign);
     }
     if let Some(gear) = &joint.gear {
-        gear.for_each_end(along[0], |body, arm, impulse, angular| add(body, impulse, arm.cross(impulse) + angular));
+        gear.for_each_end(along[0], visit);
     }
 }
 
@@ -424,6 +420,8 @@ macro_rules! kernel {
         }
     };
 }
+
+pub(super) use kernel;
 
 kernel!(RightSide { rate: f64 } => |solver| solver.set_right_sides::<T>(rate));
 kernel!(Remaining { h: f64, most: &'a mut f64 } => |solver| *most = solver.set_all_remaining::<T>(h));
