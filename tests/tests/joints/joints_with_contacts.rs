@@ -302,6 +302,7 @@ fn contacts_of_loaded_links_do_no_work_that_joints_do() {
     }
     println!("contacts did {least} to {most} J of {start} J, unbooked are {unbooked:e} J");
     assert!(unbooked < by_precision(1e-3, 1e-6), "{unbooked:e}");
-    // A contact adds nothing. What it stops has the inertia that its load asks for.
-    assert!(most < 1e-4 * start && least > -1e-2 * start, "{least} {most}");
+    // A contact adds nothing. What stops on the wall has the inertia that its load asks for: with 8
+    // to 32 substeps contacts take 2 % of the energy.
+    assert!(most < 1e-4 * start && least > -3e-2 * start, "{least} {most}");
 }

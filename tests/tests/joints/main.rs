@@ -32,3 +32,4 @@ mod lying_figures;
 #[path = "../shared/mechanisms/mod.rs"]
 mod mechanisms;
 mod pressed_mechanisms;
+mod scraping_bodies;

@@ -19,7 +19,7 @@ use crate::jointed::*;
 const KINDS: [fn(hecs::Entity, hecs::Entity) -> Joint; 4] = [Joint::ball, Joint::hinge, Joint::universal, Joint::fixed];
 
 /// A direction at random.
-fn direction(draw: &mut Draw) -> DVec3 {
+pub(crate) fn direction(draw: &mut Draw) -> DVec3 {
     let (sin, cos) = draw.between(0.0, TAU).sin_cos();
     let up = draw.between(-1.0, 1.0);
     DVec3::new(cos, 0.0, sin) * (1.0 - up * up).sqrt() + DVec3::Y * up

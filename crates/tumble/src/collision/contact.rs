@@ -197,6 +197,11 @@ impl ContactRecord {
         self.set_halvings(0);
     }
 
+    /// Whether a point of it pushed in the last substep.
+    pub(crate) fn has_impulses(&self) -> bool {
+        self.normal_impulses.at_points != [0.0; MAX_MANIFOLD_POINTS]
+    }
+
     /// Has the next step begin without the impulses of the last.
     pub(crate) fn drop_impulses(&mut self) {
         self.normal_impulses.at_points = [0.0; MAX_MANIFOLD_POINTS];

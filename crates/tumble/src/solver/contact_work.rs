@@ -179,6 +179,16 @@ impl ContactWorks {
         }
     }
 
+    /// Books the work of half a kick of forces on a body at the velocity that it has, times a sign,
+    /// to the integrator.
+    pub(crate) fn book_lag(&mut self, row: SolverRow, bodies: &SolverBodies, sign: f64) {
+        for body in self.bodies.iter_mut().filter(|body| body.row == row.index()) {
+            let kick = &bodies.force_impulse[body.row];
+            let (velocity, angular) = body.velocities(momenta(&bodies.motion[body.row]), bodies);
+            body.moving += 0.5 * sign * (double(kick.linear).dot(velocity) + double(kick.angular).dot(angular));
+        }
+    }
+
     /// Leaves the account of a body to its joints, but for what damping did \[J\].
     pub(crate) fn leave_to_joints(&mut self, row: SolverRow, damping: f64) {
         for body in self.bodies.iter_mut().filter(|body| body.row == row.index()) {

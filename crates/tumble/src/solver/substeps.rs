@@ -228,16 +228,8 @@ impl SolverGroup {
     ) {
         let mut mechanisms = mechanisms.filter(|mechanisms| mechanisms.are_touched());
         let solve = SolverStage::solve(h, impact_speed);
-        let Self { bodies, contact_works, rounds, ball_collisions, contacts, constraints, direct, joints } = self;
-        direct.lay_out(all, bodies, extras);
-        constraints.lay_out(all, contacts, bodies, extras);
-        constraints.locate(all.len(), rounds);
-        constraints.make_room_for_lines();
-        joints.begin(bodies, contact_works);
-        bodies.with_poses(|bodies, poses| constraints.run(SolverStage::Prepare(all, poses), bodies));
-        if let Some(mechanisms) = &mut mechanisms {
-            mechanisms.begin_touched((bodies, contact_works));
-        }
+        self.begin(all, extras, mechanisms.as_deref_mut());
+        let Self { bodies, contact_works, rounds, ball_collisions, constraints, direct, joints, .. } = self;
         for substep in 0..substeps {
             contact_works.before_forces(bodies);
             bodies.integrate_velocities();
@@ -287,6 +279,26 @@ impl SolverGroup {
             }
         }
         self.finish(all, f64::from(substeps) * f64::from(h));
+        let Self { bodies, contact_works, contacts, direct, .. } = self;
+        if let Some(mechanisms) = mechanisms {
+            let contacts = contacts.iter().chain(&direct.contacts);
+            mechanisms.add_last_half_kick((all, contacts), (bodies, contact_works), h);
+        }
+    }
+
+    /// To be called before the first substep, with the mechanisms that contacts act on.
+    fn begin(&mut self, all: &mut [ContactRecord], extras: Extras, mechanisms: Option<&mut Mechanisms>) {
+        let Self { bodies, contact_works, rounds, contacts, constraints, direct, joints, .. } = self;
+        direct.lay_out(all, bodies, extras);
+        constraints.lay_out(all, contacts, bodies, extras);
+        constraints.locate(all.len(), rounds);
+        constraints.make_room_for_lines();
+        joints.begin(bodies, contact_works);
+        bodies.with_poses(|bodies, poses| constraints.run(SolverStage::Prepare(all, poses), bodies));
+        if let Some(mechanisms) = mechanisms {
+            mechanisms.begin_touched((bodies, contact_works));
+            mechanisms.halve_first_kick((all, contacts.iter().chain(&direct.contacts)), (bodies, contact_works));
+        }
     }
 
     /// To be called after the last substep, at this time since the first began \[s\].

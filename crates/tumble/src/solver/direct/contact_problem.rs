@@ -149,14 +149,17 @@ impl ContactProblem {
     /// the compliance is about the impulses that are set.
     ///
     /// A point that joints hold responds to a push at least as a free body of that mass would, and
-    /// all points of a contact together as one of that mass times their number.
+    /// all points of a contact together as one of that mass times their number. What parts after
+    /// the motion does not: what pushed it is taken back, so that an overlap between a contact and
+    /// a joint gives no energy.
     pub(crate) fn soften(&mut self, mass: f64, is_of_positions: bool) {
         let n = self.len();
         for contact in &self.contacts {
+            let parts = !is_of_positions && contact.normals().all(|row| self.speeds[row] >= 0.0);
             for row in 0..contact.rows() {
                 let at = contact.first + row;
                 let held = 1.0 / mass - self.responses[at * n + at];
-                let held = if row < contact.points { held.max(0.0) } else { 0.0 };
+                let held = if row < contact.points && !parts { held.max(0.0) } else { 0.0 };
                 let softness = SOFTNESS / mass * contact.scale(at).powi(2) + held;
                 self.responses[at * n + at] += softness;
                 if row < contact.points && is_of_positions {
@@ -167,7 +170,7 @@ impl ContactProblem {
             let of_row = |row: usize| self.responses[row * n..][normals.clone()].iter().sum::<f64>();
             let together = normals.clone().map(of_row).sum::<f64>() / (points * points);
             let held = 1.0 / (mass * points) - together;
-            if held > 0.0 {
+            if held > 0.0 && !parts {
                 let push: f64 = self.impulses[normals.clone()].iter().sum();
                 for row in normals.clone() {
                     self.responses[row * n..][normals.clone()].iter_mut().for_each(|response| *response += held);

@@ -247,9 +247,7 @@ impl DirectChoice {
                 let is_jammed = it.overlap.min(other.overlap) > JAMMED;
                 other.normal.dot(it.normal) < 0.0 && (is_jammed || other.row != it.row && it.approaches(other.velocity))
             };
-            let is_held_by = |body: &MechanismBody| {
-                body.row != it.row && (it.overlap > JAMMED || it.approaches(body.linear_velocity()))
-            };
+            let is_held_by = |body: &MechanismBody| body.row != it.row && it.approaches(body.linear_velocity());
             obstacles().any(is_opposed) || held().any(is_held_by)
         })
     }

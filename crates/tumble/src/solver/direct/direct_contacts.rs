@@ -49,6 +49,8 @@ pub(crate) struct DirectContacts {
     pub(crate) rounding: f64,
     /// Whether its bodies have other contacts, in passes.
     pub(crate) has_passes: bool,
+    /// Whether a contact of its bodies, of these or in passes, pushed when that was noted.
+    pub(crate) is_held: bool,
     /// Whether work is booked.
     pub(crate) has_accounts: bool,
     /// By contact, work in the last stage.
@@ -69,8 +71,14 @@ pub(crate) struct DirectWork {
     of_points: f64,
 }
 
-/// How often contacts are solved again where joints have changed with them.
+/// How often contacts are solved again where joints have changed with them, and where these
+/// impulses are too large for the joints as they are then.
 const MAX_REPEATS: u32 = 2;
+const MAX_REPEATS_OF_EXCESS: u32 = 6;
+/// How often impulses that are too large all the same are halved.
+const MAX_HALVINGS: u32 = 5;
+/// The part of what impulses do to the speeds along them that is no excess.
+const EXCESS: f64 = 1e-3;
 /// What is slower moves less than this many roundings of a place in a substep, and is at rest.
 const REST: f64 = 1e-2;
 /// The part of an overlap that is pushed out in a substep.
@@ -87,19 +95,62 @@ impl DirectContacts {
         self.begin(solver, stage);
         solver.solve_half(half);
         // Beside passes the positions are solved again anyway.
-        let repeats = if self.has_passes { 1 } else { MAX_REPEATS };
-        for repeat in 0..repeats {
-            self.set_problem(solver, (half, stage), repeat == 0);
+        let repeats = if self.has_passes || stage.is_bounce() { 1 } else { MAX_REPEATS };
+        let mut is_excess = false;
+        for repeat in 1..=MAX_REPEATS_OF_EXCESS {
+            self.set_problem(solver, (half, stage), repeat == 1);
             self.problem.solve();
             if stage.is_bounce() {
                 self.limit_bounce();
             }
             self.take_solution(solver);
-            if !solver.solve_half(half) || stage.is_bounce() {
+            let is_changed = solver.solve_half(half);
+            is_excess = is_changed && self.is_excess(solver);
+            if !is_excess && (!is_changed || repeat >= repeats) {
                 break;
             }
         }
+        for _ in 0..MAX_HALVINGS {
+            if !is_excess {
+                break;
+            }
+            self.halve(solver);
+            solver.solve_half(half);
+            is_excess = self.is_excess(solver);
+        }
         self.finish(solver, stage);
+    }
+
+    /// Whether what changed impulses made bodies faster in the end, as joints no longer answer as
+    /// they did when the impulses were found: a limit that held them has let go.
+    fn is_excess(&self, solver: &mut MechanismSolver) -> bool {
+        let Self { contacts, problem, beside, goals, begun, .. } = self;
+        solver.set_response();
+        let (mut left, mut added) = (0.0, 0.0);
+        let n = problem.len();
+        for (number, (contact, shape)) in contacts.iter().zip(&problem.contacts).enumerate() {
+            let speeds = contact.speeds(|end| velocities_to_be(solver, beside, end));
+            for row in (0..contact.rows()).filter(|row| problem.may_push[shape.first + row]) {
+                let change = contact.impulses[row] - begun[number][row];
+                left += change * (speeds[row] - goals[number][row]);
+                let responses = &problem.responses[(shape.first + row) * n..][..n];
+                added += change * responses.iter().zip(&problem.impulses).map(|(by, impulse)| by * impulse).sum::<f64>();
+            }
+        }
+        left > EXCESS * added.abs()
+    }
+
+    /// Takes half of what contacts did in the stage back.
+    fn halve(&mut self, solver: &mut MechanismSolver) {
+        let Self { contacts, beside, begun, .. } = self;
+        for (contact, begun) in contacts.iter_mut().zip(begun) {
+            let mut changes = [0.0; MAX_CONTACT_ROWS];
+            for ((change, impulse), begun) in changes.iter_mut().zip(&mut contact.impulses).zip(begun) {
+                *change = 0.5 * (*begun - *impulse);
+                *impulse += *change;
+            }
+            push(contact, &changes, (&mut solver.bodies, beside));
+        }
     }
 
     /// Whether any of them may bounce.

@@ -12,9 +12,11 @@ use crate::solver::direct::direct_contact::DirectContact;
 use crate::solver::direct::direct_contacts::ContactStage;
 use crate::solver::direct::direct_group::DirectGroup;
 use crate::solver::joint_passes::pass_stages::JointPasses;
+use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
+use crate::solver::mechanism::mechanism_solver::Half;
 use crate::solver::mechanism::mechanisms::{Mechanism, Mechanisms};
-use crate::solver::solver_bodies::{SolverBodies, SolverRow};
+use crate::solver::solver_bodies::{SolverBodies, SolverRow, halved};
 use crate::solver::substeps::GroupContact;
 use crate::threads::InParts;
 
@@ -67,6 +69,67 @@ impl Mechanisms {
         for mechanism in self.mechanisms.iter_mut().filter(|mechanism| mechanism.solver.is_touched) {
             mechanism.solver.begin();
             mechanism.solver.bodies.iter().for_each(|body| body.write_momentum(bodies));
+        }
+        bodies.lock_responses();
+        works.after_joints(bodies);
+    }
+
+    /// Notes which touched mechanisms are held by a contact of these.
+    fn note_held<'a>(&mut self, records: &[ContactRecord], contacts: impl Iterator<Item = &'a GroupContact>) {
+        let Self { mechanisms, choice, .. } = self;
+        mechanisms.iter_mut().for_each(|it| it.direct.is_held = false);
+        let pushing = contacts.filter(|contact| records[contact.number as usize].has_impulses());
+        for owner in pushing.flat_map(|contact| contact.rows).filter_map(|row| choice.owner(row)) {
+            if let Some(mechanism) = mechanisms.get_mut(owner.mechanism as usize) {
+                mechanism.direct.is_held = true;
+            }
+        }
+    }
+
+    /// Takes half of the first kick of forces back from touched mechanisms that no contact holds
+    /// when the step begins: their velocities are those between two halves.
+    pub(crate) fn halve_first_kick<'a>(
+        &mut self,
+        (records, contacts): (&[ContactRecord], impl Iterator<Item = &'a GroupContact>),
+        (bodies, works): (&mut SolverBodies, &mut ContactWorks),
+    ) {
+        self.note_held(records, contacts);
+        self.book_lag((bodies, works), 1.0);
+        for it in self.mechanisms.iter().filter(|it| it.is_free()) {
+            it.jointed_bodies().iter().for_each(|body| kick_by_half(body, bodies, -1.0));
+        }
+    }
+
+    /// Books what velocities of held mechanisms are behind by, half a kick, to the integrator.
+    fn book_lag(&self, (bodies, works): (&SolverBodies, &mut ContactWorks), sign: f64) {
+        for it in self.mechanisms.iter().filter(|it| it.solver.is_touched && it.direct.is_held) {
+            it.jointed_bodies().iter().for_each(|body| works.book_lag(body.row, bodies, sign));
+        }
+    }
+
+    /// Gives touched mechanisms that no contact holds after the last substep, of `h` \[s\], half a
+    /// kick, as those that nothing touches have it.
+    pub(crate) fn add_last_half_kick<'a>(
+        &mut self,
+        (records, contacts): (&[ContactRecord], impl Iterator<Item = &'a GroupContact>),
+        (bodies, works): (&mut SolverBodies, &mut ContactWorks),
+        h: Real,
+    ) {
+        self.note_held(records, contacts);
+        self.book_lag((bodies, works), -1.0);
+        for it in self.mechanisms.iter().filter(|it| it.is_free()) {
+            it.jointed_bodies().iter().for_each(|body| kick_by_half(body, bodies, 1.0));
+        }
+        works.before_joints(bodies);
+        let from: &SolverBodies = bodies;
+        self.mechanisms.par_iter_mut().by_at_least(1).filter(|it| it.is_free()).for_each(|it| {
+            it.read_motion(from);
+            it.solver.update_rows();
+            it.solver.solve_velocities(Half { phase: Phase::Velocities, h: f64::from(h), before: 1.0 });
+            it.is_sound = it.solver.bodies.iter().all(MechanismBody::is_finite);
+        });
+        for it in self.mechanisms.iter().filter(|it| it.is_free() && it.is_sound) {
+            it.jointed_bodies().iter().for_each(|body| body.write_momentum(bodies));
         }
         bodies.lock_responses();
         works.after_joints(bodies);
@@ -129,6 +192,11 @@ impl Mechanisms {
 }
 
 impl Mechanism {
+    /// Whether it is touched, and no contact pushed when that was noted.
+    fn is_free(&self) -> bool {
+        self.solver.is_touched && !self.direct.is_held
+    }
+
     /// The bodies that its joints connect, without the ground of locked axes.
     fn jointed_bodies(&self) -> &[MechanismBody] {
         &self.solver.bodies[..self.slots.len()]
@@ -187,5 +255,15 @@ impl Mechanism {
         if !*is_sound {
             solver.forget_impulses();
         }
+    }
+}
+
+/// Adds what forces do to a body in half a substep, times a sign.
+fn kick_by_half(body: &MechanismBody, bodies: &mut SolverBodies, sign: Real) {
+    if body.is_moved() {
+        let kick = halved(bodies.force_impulse[body.row.index()], 1);
+        let motion = &mut bodies.motion[body.row.index()];
+        motion.momentum = motion.momentum + kick.linear * sign;
+        motion.angular_momentum = motion.angular_momentum + kick.angular * sign;
     }
 }
