@@ -134,7 +134,8 @@ impl DirectContacts {
                 let change = contact.impulses[row] - begun[number][row];
                 left += change * (speeds[row] - goals[number][row]);
                 let responses = &problem.responses[(shape.first + row) * n..][..n];
-                added += change * responses.iter().zip(&problem.impulses).map(|(by, impulse)| by * impulse).sum::<f64>();
+                added +=
+                    change * responses.iter().zip(&problem.impulses).map(|(by, impulse)| by * impulse).sum::<f64>();
             }
         }
         left > EXCESS * added.abs()
