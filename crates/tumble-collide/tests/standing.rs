@@ -274,7 +274,11 @@ fn check<R: Scalar>(body: &Body, kind: Ground, turn: Quat<f64>, lift: f64, margi
     let near: Vec<&Over> = corners.iter().filter(|(_, height)| *height < target + 0.2 * thin).collect();
     let further = corners.iter().filter(|(_, height)| *height >= target + 0.2 * thin);
     let is_clear = further.fold(true, |clear, (_, height)| clear && *height > target + 0.8 * thin);
-    if near.len() >= 3 && is_clear && near.iter().all(|(_, height)| *height < 0.9 * margin) {
+    // A face that is steeper than half a right angle is not what it stands on.
+    let is_flat = near
+        .iter()
+        .all(|(place, height)| near.iter().all(|(other, lower)| height - lower <= 0.99 * apart(*place, *other)));
+    if near.len() >= 3 && is_clear && is_flat && near.iter().all(|(_, height)| *height < 0.9 * margin) {
         let whole = outline(near.iter().map(|(place, _)| *place).collect());
         let held = outline(points.iter().map(|(place, _)| *place).collect());
         let part = area_of(&held) / area_of(&whole);
