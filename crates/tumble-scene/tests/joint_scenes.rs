@@ -463,7 +463,7 @@ fn figures_fall_on_each_other_and_come_to_rest() {
         overruns.push(overrun);
     }
     overruns.sort_by(f64::total_cmp);
-    assert!(overruns[2] < 0.15 && overruns[4] < 0.4, "{overruns:?}");
+    assert!(overruns[2] < 0.01 && overruns[4] < 0.1, "{overruns:?}");
 }
 
 #[test]
