@@ -1,6 +1,7 @@
 //! Promise: joints under loads of up to a thousand times their bodies' weights stay closed, or
-//! close where they begin apart, beside a limit, in a loop and a kilometre from the origin. What a
-//! joint presses on the ground is not thrown when the joint goes.
+//! close where they begin apart, beside a limit, in a loop and a kilometre from the origin; in a
+//! loop that does not fit up to ten thousand times. A limit of a geared joint that begins past it
+//! acts. What a joint presses on the ground is not thrown when the joint goes.
 //!
 //! Why: a weight behind light links responds to an impulse by as little as what joints that
 //! contradict each other lock. It fails if its joint is taken for one that contradicts others and
@@ -9,7 +10,7 @@
 use glam::{DQuat, DVec3};
 use hecs::Entity;
 use tumble::math::{Quat, Real};
-use tumble::{Axes, Breakable, Cone, Gain, Joint, Limit, Limits, Material, RigidBody, Shape};
+use tumble::{Axes, Breakable, Cone, Gain, Gear, Joint, Limit, Limits, Material, RigidBody, Shape};
 use tumble_tests::touching::ground;
 use tumble_tests::{Draw, by_precision, cases};
 
@@ -151,5 +152,65 @@ fn what_a_joint_presses_on_the_ground_is_not_thrown_when_it_goes() {
         let fastest = pressed(case, case as u32 % 3);
         println!("case {case}: {fastest} m/s");
         assert!(fastest < 3.0, "case {case}: {fastest} m/s");
+    }
+}
+
+/// A light beam on two joints to fixed bodies that do not fit, with a weight on a third.
+#[test]
+fn a_weight_on_a_loop_that_does_not_fit_is_held() {
+    let kinds: [fn(Entity, Entity) -> Joint; 3] = [Joint::ball, Joint::hinge, Joint::fixed];
+    for case in 0..u64::from(cases(150)) {
+        let mut draw = Draw::new(0x10B0, case);
+        let size = draw.log_between(0.05, 5.0);
+        let misfit = draw.log_between(1e-4, 1e-2) * size;
+        let weight = draw.log_between(1.0, 1e4);
+        let mut rig = Rig::new(down(), 1.0 / draw.log_between(60.0, 240.0), 4 << (case % 3));
+        let ends = [-1.0, 1.0].map(|side| DVec3::X * side * size);
+        let held = ends.map(|at| rig.spawn(RigidBody::new(Shape::Point).fixed().position(real(at))));
+        let beam = RigidBody::new(Shape::cuboid(DVec3::new(1.0, 0.1, 0.1) * size)).without_collider().mass(1.0);
+        let beam = rig.spawn(beam);
+        for (number, at) in ends.into_iter().enumerate() {
+            rig.join_at(kinds[draw.between(0.0, 3.0) as usize](held[number], beam), at, DVec3::Z);
+        }
+        let apart = draw.direction() * misfit;
+        rig.world.get::<&mut tumble::Pose>(held[1]).unwrap().position += real(apart);
+        let at = DVec3::X * draw.between(-0.9, 0.9) * size;
+        let hanging = RigidBody::new(Shape::sphere(0.2 * size)).without_collider().mass(weight);
+        let hanging = rig.spawn(hanging.position(real(at - DVec3::Y * 0.5 * size)));
+        let joint = rig.join_at(kinds[draw.between(0.0, 3.0) as usize](beam, hanging), at, DVec3::Z);
+        rig.run_to(2.0);
+        let (gap, load) = (rig.largest_gap(), f64::from(rig.load(joint).force.length()) / (weight * G));
+        println!("case {case}: {:.3} misfits, load {load:.4}", gap / misfit);
+        assert!(gap < 3.0 * misfit + 1e-5 * size, "case {case}: {gap} m of {misfit} m, 1 : {weight}");
+        assert!((load - 1.0).abs() < 0.05, "case {case}: {load} of the weight, 1 : {weight}");
+    }
+}
+
+/// Two sliders that are geared, of which one has a limit and begins past it, at rest.
+#[test]
+fn limits_of_geared_joints_act_from_beyond() {
+    for case in 0..u64::from(cases(60)) {
+        let mut draw = Draw::new(0x10B1, case);
+        let masses = [1.0, draw.log_between(1.0, 1e3)];
+        let (ratio, past) = (draw.log_between(0.3, 3.0), draw.log_between(1e-4, 0.1));
+        let mut rig = Rig::new(down(), 1.0 / draw.log_between(60.0, 240.0), 4);
+        let frame = rig.ground();
+        let mut joints = Vec::new();
+        for (number, mass) in masses.into_iter().enumerate() {
+            let at = DVec3::X * 3.0 * number as f64;
+            let way = if number == 0 { 1.0 } else { ratio } * -(1.0 + past);
+            let shape = Shape::cuboid([0.3, 0.2, 0.1]);
+            let body = RigidBody::new(shape).without_collider().mass(mass).position(real(at + DVec3::Y * way));
+            let body = rig.spawn(body);
+            let mut joint = Joint::slider(frame, body).at(&rig.world, real(at), real(DVec3::Y)).unwrap();
+            joint.frames[1].position = real(DVec3::ZERO);
+            joints.push(rig.join(joint));
+        }
+        rig.world.spawn((Gear::new(joints[0], joints[1], ratio as Real),));
+        rig.world.insert_one(joints[0], Limits::along(Axes::LINEAR_X, Limit::new(-1.0, 1.0))).unwrap();
+        rig.run_to(4.0);
+        let value = f64::from(rig.load(joints[0]).values[0]);
+        println!("case {case}: {value}");
+        assert!((value + 1.0).abs() < 1e-3, "case {case}: {value}, from {past} beyond, 1 : {} by {ratio}", masses[1]);
     }
 }

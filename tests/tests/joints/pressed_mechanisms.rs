@@ -1,5 +1,6 @@
 //! Promise: bodies on joints that a kinematic body presses against the ground, and bodies that a
-//! hand presses against it, are not shot out, and not thrown when the joint goes.
+//! hand presses against it, are not shot out, and not thrown when the joint goes. A row that is too
+//! long for the gap that it lies in stays there.
 //!
 //! Why: lifts, doors, crushers and the mouse of an editor do this. It fails if contacts that
 //! contradict each other are solved as if they did not, or if the impulses that they had are the
@@ -102,5 +103,48 @@ fn what_a_hand_presses_down_is_not_thrown_when_it_lets_go() {
         let most = 1.5 * (held + 3.0);
         println!("case {case}: {:.3} of the most", thrown / most);
         assert!(thrown < most, "case {case}, {size} m, held at {held} m/s: {thrown} m/s");
+    }
+}
+
+/// Boxes on joints, at rest on the ground between two walls that are closer than they are long.
+#[test]
+fn rows_too_long_for_their_gap_do_not_jump() {
+    for case in 0..u64::from(cases(100)) {
+        let mut draw = Draw::new(0x9E57, case);
+        let (size, mut rig) = rig_on_ground(&mut draw);
+        let count = 2 + case as usize % 3;
+        let half = DVec3::new(0.4, draw.between(0.15, 0.4), 0.3) * size;
+        let length = 2.0 * half.x * count as f64;
+        let (mut boxes, mut weight) = (Vec::new(), 0.0);
+        for number in 0..count {
+            let mass = draw.log_between(1.0, 100.0);
+            let left = 2.0 * half.x * number as f64 - 0.5 * length;
+            let at = DVec3::new(left + half.x, half.y, 0.0);
+            let next = cuboid(&mut rig, half, mass, at, DQuat::IDENTITY, Material::default());
+            if let Some(last) = boxes.last() {
+                let kind = KINDS[draw.between(0.0, 3.99) as usize];
+                rig.join_at(kind(*last, next), DVec3::new(left, half.y, 0.0), DVec3::Z);
+            }
+            boxes.push(next);
+            weight += mass * G;
+        }
+        let overlap = draw.log_between(1e-3, 0.05) * size;
+        for side in [-1.0, 1.0] {
+            let shape = Shape::cuboid(DVec3::new(0.5, 3.0, 3.0) * size);
+            let at = DVec3::X * side * (0.5 * (length - overlap) + 0.5 * size);
+            let wall = RigidBody::new(shape.clone()).fixed().position(real(at)).build().unwrap();
+            wall.spawn_with(&mut rig.world, (surfaced(collider(&shape), Material::default()),));
+        }
+        // What overlaps at the start is pushed out meanwhile.
+        rig.run_to(1.0);
+        let (mut before, mut most) = (rig.energy(), 0.0_f64);
+        while rig.simulation.time() < 5.0 {
+            rig.step();
+            let energy = rig.energy();
+            most = most.max((energy - before) / (weight * size));
+            before = energy;
+        }
+        println!("case {case}: {most:e}");
+        assert!(most < 0.05, "case {case}, {size} m, overlap {overlap} m: {most}");
     }
 }

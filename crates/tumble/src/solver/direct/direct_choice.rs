@@ -18,6 +18,7 @@ use tumble_math::lane::Vec3;
 use crate::collision::contact::ContactRecord;
 use crate::math::{Real, double};
 use crate::solver::direct::contact_problem::ContactShape;
+use crate::solver::direct::direct_contacts::PUSHED;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
 use crate::solver::substeps::GroupContact;
@@ -29,8 +30,8 @@ const FEW_ROWS: usize = 24;
 /// What comes nearer by less than this part of how fast it moves presses nothing together.
 const PRESSES: f64 = 0.01;
 /// What overlaps on opposite sides by more than this part of a body's least radius of gyration is
-/// jammed.
-const JAMMED: f64 = 0.05;
+/// jammed: the impulses of direct contacts would be 1e4 times those that push it out.
+const JAMMED: f64 = 1e-4;
 /// How far the load of a body that lies presses it in passes, at most, of its least radius of
 /// gyration.
 const MAX_SAG: f64 = 0.1;
@@ -75,7 +76,7 @@ struct Obstacle {
     normal: Vec3<f64>,
     /// Of its surface \[m/s\].
     velocity: Vec3<f64>,
-    /// Of the body's least radius of gyration.
+    /// Of the body's least radius of gyration, negative where they are apart.
     overlap: f64,
 }
 
@@ -124,7 +125,7 @@ impl<'a> Candidates<'a> {
         let [linear, angular, normal, arm] =
             [motion.momentum, motion.angular_momentum, record.geometry.normal, bodies.center(to) - bodies.center(row)]
                 .map(|v| Vec3::from(double(v)));
-        let least = (0..record.count()).map(|j| record.separation(j)).fold(0.0, Real::min);
+        let least = (0..record.count()).map(|j| record.separation(j)).fold(Real::MAX, Real::min);
         let radius = bodies.least_radius(to);
         let overlap = if radius > 0.0 { -f64::from(least) / radius } else { 0.0 };
         Some(Obstacle { row, normal, velocity: linear + angular.cross(arm), overlap })
@@ -242,9 +243,9 @@ impl DirectChoice {
         let obstacles = || self.chosen.iter().filter_map(|place| of.obstacle(*place));
         let held = || bodies.iter().filter(|body| !body.is_moved());
         obstacles().any(|it| {
-            // What overlaps on one side only is not jammed.
+            // What overlaps on one side only is not jammed, if it has room for being pushed out.
             let is_opposed = |other: Obstacle| {
-                let is_jammed = it.overlap.min(other.overlap) > JAMMED;
+                let is_jammed = it.overlap > JAMMED && other.overlap > -PUSHED * it.overlap;
                 other.normal.dot(it.normal) < 0.0 && (is_jammed || other.row != it.row && it.approaches(other.velocity))
             };
             let is_held_by = |body: &MechanismBody| body.row != it.row && it.approaches(body.linear_velocity());

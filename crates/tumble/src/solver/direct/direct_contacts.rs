@@ -82,7 +82,7 @@ const EXCESS: f64 = 1e-3;
 /// What is slower moves less than this many roundings of a place in a substep, and is at rest.
 const REST: f64 = 1e-2;
 /// The part of an overlap that is pushed out in a substep.
-const PUSHED: f64 = 0.2;
+pub(crate) const PUSHED: f64 = 0.2;
 
 impl DirectContacts {
     /// Finds the impulses of contacts together with those of the joints, which are on the right
@@ -152,6 +152,12 @@ impl DirectContacts {
             }
             push(contact, &changes, (&mut solver.bodies, beside));
         }
+    }
+
+    /// Whether none of them pushes, and none in passes did when that was noted.
+    pub(crate) fn push_nothing(&self) -> bool {
+        !(self.has_passes && self.is_held)
+            && self.contacts.iter().all(|contact| contact.impulses == [0.0; MAX_CONTACT_ROWS])
     }
 
     /// Whether any of them may bounce.

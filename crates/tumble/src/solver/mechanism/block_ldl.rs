@@ -153,11 +153,11 @@ impl BlockLdl {
     }
 
     /// Raises rows of a node from one on by more where they have a misfit, of the size of the arms
-    /// or \[rad\]: by up to 1e5 times as much as it makes rows respond.
-    pub(super) fn soften(&mut self, (node, from): (usize, usize), misfit: f64, is_touched: bool) {
+    /// or \[rad\]: by up to 1e5 times as much as it makes rows respond, times a part.
+    pub(super) fn soften(&mut self, (node, from): (usize, usize), misfit: f64, (part, is_touched): (f64, bool)) {
         let softness = (SOFTNESS_OF_MISFIT * misfit * misfit).min(MAX_SOFTNESS);
         let softness = if is_touched { softness.min(SOFTNESS_OF_TOUCHED * misfit) } else { softness };
-        self.softness[node] = Softness { amount: softness.max(REGULARIZATION_OF_DEPENDENT), from };
+        self.softness[node] = Softness { amount: (part * softness).max(REGULARIZATION_OF_DEPENDENT), from };
     }
 
     /// By how much of itself each number on the diagonal of a node is raised.

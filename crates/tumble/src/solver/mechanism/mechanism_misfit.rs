@@ -21,26 +21,35 @@ const MAX_SHARE: f64 = 0.1;
 /// What is less is rounding, and raises rows by no more than they are: of the size of the arms or
 /// [rad].
 pub(super) const MIN_MISFIT: f64 = 3e-7;
+/// Light bodies in loops carry heavier ones, or more than this many as heavy: what responds by so
+/// much less carries a load. Their rows are softened by as much less, down to a part.
+const MANY: f64 = 8.0;
+const MIN_PART: f64 = 1e-3;
 /// By how much of its trace the inertia of bodies in one line is raised.
 const RAISED: f64 = 1e-8;
 
 impl MechanismSolver {
     /// Softens the rows of joints that are not met where the substep begins, where they may
     /// contradict others: in loops all, elsewhere those of limits beside others of the same joint.
-    /// A weight behind light links responds by as little as joints that contradict each other.
+    /// A weight behind light links responds by as little as joints that contradict each other, so
+    /// rows of light bodies are softened by less.
     pub(super) fn soften(&mut self) {
-        let Self { joints, matrix, is_touched, .. } = self;
+        let Self { joints, bodies, matrix, is_touched, .. } = self;
         self.is_softened = false;
         if !matrix.may_depend() {
             return;
         }
         let has_loops = matrix.has_loops();
+        let masses = || bodies.iter().filter(|body| body.is_moved()).map(MechanismBody::mass);
+        let heavy = masses().fold(masses().sum::<f64>() / MANY, f64::max);
         for (number, joint) in joints.iter().enumerate() {
             let misfit = if has_loops || joint.has_dependent_limits() { joint.misfit() } else { 0.0 };
             let is_soft = misfit > MIN_MISFIT;
             self.is_softened |= is_soft;
             let rows = (number, if has_loops { 0 } else { joint.locked });
-            matrix.soften(rows, if is_soft { misfit } else { 0.0 }, *is_touched);
+            let part = joint.ends().map(|body| &bodies[body]).filter(|body| body.is_moved());
+            let part = part.map(MechanismBody::mass).fold(heavy, f64::min) / heavy;
+            matrix.soften(rows, if is_soft { misfit } else { 0.0 }, (part.max(MIN_PART), *is_touched));
         }
     }
 

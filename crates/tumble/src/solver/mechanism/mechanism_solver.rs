@@ -222,6 +222,16 @@ impl MechanismSolver {
         self.contradiction = 0.0;
         self.solve_half(half);
         self.misfit = self.contradiction * h;
+        let left = self.meet_positions(h);
+        self.note_springs();
+        follow(&mut self.bodies);
+        left
+    }
+
+    /// Goes on from the solution on the right side until the joints are met where bodies are after
+    /// `h` \[s\] from where they were saved, and moves them there. Returns the largest error that is
+    /// left.
+    pub(super) fn meet_positions(&mut self, h: f64) -> f64 {
         let (mut solution, mut most, mut worst) = (1, MAX_SOLUTIONS, f64::INFINITY);
         let mut first = f64::INFINITY;
         let last = loop {
@@ -263,8 +273,6 @@ impl MechanismSolver {
         if !has_bend || first > MAX_FIRST_ERROR || last > TOLERANCE {
             self.bend.fill([0.0; 4]);
         }
-        self.note_springs();
-        follow(&mut self.bodies);
         last
     }
 

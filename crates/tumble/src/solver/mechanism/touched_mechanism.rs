@@ -6,24 +6,43 @@ use tumble_math::lane::Vec3;
 use crate::simd::Four;
 use crate::solver::direct::direct_contact::Push;
 use crate::solver::direct::direct_contacts::{ContactStage, DirectContacts};
+use crate::solver::mechanism::body_passes::save;
 use crate::solver::mechanism::fours::{row_of, vector};
 use crate::solver::mechanism::free_row::Phase;
+use crate::solver::mechanism::mechanism_body::SavedBody;
 use crate::solver::mechanism::mechanism_solver::{Half, MechanismSolver};
 
 impl MechanismSolver {
     /// Finds the impulses that meet the joints and the direct contacts at the end of a substep of
-    /// `h` \[s\] to first order, where others move the bodies.
+    /// `h` \[s\], where others move the bodies: to first order if contacts push.
     pub(crate) fn solve_once(&mut self, h: f64, contacts: &mut DirectContacts, stage: ContactStage) {
         let half = Half { phase: Phase::Positions, h, before: 1.0 };
         self.begin_half(half);
         self.factor();
         self.plan_corrections(h);
         contacts.solve(self, half, stage);
-        self.take_solution();
+        if contacts.push_nothing() {
+            self.meet_positions_ahead(h);
+        } else {
+            self.bend.fill([0.0; 4]);
+            self.take_solution();
+        }
         self.find_free_speeds();
         self.note_springs();
         self.note_impulses(true);
         self.take_loads(h);
+    }
+
+    /// Goes on from the solution on the right side to that with which the joints are met where
+    /// others will have moved the bodies, as if there were no contacts.
+    fn meet_positions_ahead(&mut self, h: f64) {
+        self.impulses.fill([0.0; 4]);
+        self.saved.resize(self.bodies.len(), SavedBody::default());
+        save(&self.bodies, &mut self.saved);
+        self.meet_positions(h);
+        for (body, saved) in self.bodies.iter_mut().zip(&self.saved) {
+            (body.translation, body.orientation) = (saved.translation, saved.orientation);
+        }
     }
 
     /// Takes back what [`solve_once`](Self::solve_once) has found along free axes, of which the
