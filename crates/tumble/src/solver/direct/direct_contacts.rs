@@ -45,6 +45,8 @@ pub(crate) struct DirectContacts {
     /// By contact and row, the speed that it is to have, and the impulse where the stage began.
     goals: Vec<[f64; MAX_CONTACT_ROWS]>,
     begun: Vec<[f64; MAX_CONTACT_ROWS]>,
+    /// By contact and row, the impulse before it was solved for last.
+    before: Vec<[f64; MAX_CONTACT_ROWS]>,
     /// Overlaps up to this are rounding \[m\].
     pub(crate) rounding: f64,
     /// Whether its bodies have other contacts, in passes.
@@ -71,13 +73,13 @@ pub(crate) struct DirectWork {
     of_points: f64,
 }
 
-/// How often contacts are solved again where joints have changed with them, and where these
-/// impulses are too large for the joints as they are then.
+/// How often contacts are solved again where joints have changed with them, and where a change of
+/// impulses was too large for the joints as they are then.
 const MAX_REPEATS: u32 = 2;
-const MAX_REPEATS_OF_EXCESS: u32 = 6;
-/// How often impulses that are too large all the same are halved.
-const MAX_HALVINGS: u32 = 5;
-/// The part of what impulses do to the speeds along them that is no excess.
+const MAX_REPEATS_OF_EXCESS: u32 = 8;
+/// How often such a change is halved.
+const MAX_HALVINGS: u32 = 4;
+/// The part of what a change of impulses does to the speeds along them that is no excess.
 const EXCESS: f64 = 1e-3;
 /// What is slower moves less than this many roundings of a place in a substep, and is at rest.
 const REST: f64 = 1e-2;
@@ -96,58 +98,61 @@ impl DirectContacts {
         solver.solve_half(half);
         // Beside passes the positions are solved again anyway.
         let repeats = if self.has_passes || stage.is_bounce() { 1 } else { MAX_REPEATS };
-        let mut is_excess = false;
         for repeat in 1..=MAX_REPEATS_OF_EXCESS {
+            self.before.clear();
+            self.before.extend(self.contacts.iter().map(|contact| contact.impulses));
             self.set_problem(solver, (half, stage), repeat == 1);
             self.problem.solve();
             if stage.is_bounce() {
                 self.limit_bounce();
             }
             self.take_solution(solver);
-            let is_changed = solver.solve_half(half);
-            is_excess = is_changed && self.is_excess(solver);
-            if !is_excess && (!is_changed || repeat >= repeats) {
+            if !solver.solve_half(half) {
                 break;
             }
-        }
-        for _ in 0..MAX_HALVINGS {
-            if !is_excess {
+            let mut halvings = 0;
+            while halvings < MAX_HALVINGS && self.is_excess(solver) {
+                halvings += 1;
+                self.halve(solver);
+                solver.solve_half(half);
+            }
+            if halvings == 0 && repeat >= repeats {
                 break;
             }
-            self.halve(solver);
-            solver.solve_half(half);
-            is_excess = self.is_excess(solver);
         }
         self.finish(solver, stage);
     }
 
-    /// Whether what changed impulses made bodies faster in the end, as joints no longer answer as
-    /// they did when the impulses were found: a limit that held them has let go.
+    /// Whether the last change of impulses was too large for the joints as they are with it: they
+    /// no longer answer as they did when it was found, for a limit that held them has let go.
     fn is_excess(&self, solver: &mut MechanismSolver) -> bool {
-        let Self { contacts, problem, beside, goals, begun, .. } = self;
+        let Self { contacts, problem, beside, goals, before, .. } = self;
         solver.set_response();
         let (mut left, mut added) = (0.0, 0.0);
         let n = problem.len();
+        let change = |number: usize, row: usize| contacts[number].impulses[row] - before[number][row];
         for (number, (contact, shape)) in contacts.iter().zip(&problem.contacts).enumerate() {
             let speeds = contact.speeds(|end| velocities_to_be(solver, beside, end));
             for row in (0..contact.rows()).filter(|row| problem.may_push[shape.first + row]) {
-                let change = contact.impulses[row] - begun[number][row];
-                left += change * (speeds[row] - goals[number][row]);
                 let responses = &problem.responses[(shape.first + row) * n..][..n];
-                added +=
-                    change * responses.iter().zip(&problem.impulses).map(|(by, impulse)| by * impulse).sum::<f64>();
+                let of_all = problem.contacts.iter().enumerate().map(|(number, shape)| {
+                    let of_it = responses[shape.first..][..shape.rows()].iter().enumerate();
+                    of_it.map(|(row, by)| by * change(number, row)).sum::<f64>()
+                });
+                left += change(number, row) * (speeds[row] - goals[number][row]);
+                added += change(number, row) * of_all.sum::<f64>();
             }
         }
         left > EXCESS * added.abs()
     }
 
-    /// Takes half of what contacts did in the stage back.
+    /// Takes half of the last change of impulses back.
     fn halve(&mut self, solver: &mut MechanismSolver) {
-        let Self { contacts, beside, begun, .. } = self;
-        for (contact, begun) in contacts.iter_mut().zip(begun) {
+        let Self { contacts, beside, before, .. } = self;
+        for (contact, before) in contacts.iter_mut().zip(before) {
             let mut changes = [0.0; MAX_CONTACT_ROWS];
-            for ((change, impulse), begun) in changes.iter_mut().zip(&mut contact.impulses).zip(begun) {
-                *change = 0.5 * (*begun - *impulse);
+            for ((change, impulse), before) in changes.iter_mut().zip(&mut contact.impulses).zip(before) {
+                *change = 0.5 * (*before - *impulse);
                 *impulse += *change;
             }
             push(contact, &changes, (&mut solver.bodies, beside));
