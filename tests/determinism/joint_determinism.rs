@@ -264,10 +264,10 @@ fn archetypes_and_the_order_of_bodies_with_locked_axes_do_not_matter() {
 #[test]
 fn the_bits_are_pinned() {
     let [plain, all] = match PRECISION {
-        "f32" => [0xdd2c_5214_cecc_6f4d_u64, 0xf122_2ebf_1919_dfa4],
+        "f32" => [0xcd6d_bfa9_c885_0609_u64, 0x745d_010d_9a84_0a72],
         _ => [0x96d4_d7a7_10b0_a14c, 0xc23c_4b05_d4ef_3f9b],
     };
-    let passes = if PRECISION == "f32" { 0x42f3_a8ca_7ffb_1f7e_u64 } else { 0xe322_4b45_5bac_4200 };
+    let passes = if PRECISION == "f32" { 0xd05b_2609_1b0b_c602_u64 } else { 0xe322_4b45_5bac_4200 };
     println!("\nran on {}", simd_name());
     let [auto, in_passes] = CASES;
     let found = auto.hash_of(plain_scene(None), 120);
