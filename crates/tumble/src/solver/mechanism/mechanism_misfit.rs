@@ -21,8 +21,8 @@ const MAX_SHARE: f64 = 0.1;
 /// What is less is rounding, and raises rows by no more than they are: of the size of the arms or
 /// [rad].
 pub(super) const MIN_MISFIT: f64 = 3e-7;
-/// Light bodies in loops carry heavier ones, or more than this many as heavy: what responds by so
-/// much less carries a load. Their rows are softened by as much less, down to a part.
+/// A load is the heaviest body of a mechanism, or all of more than this many together: by as much
+/// as a joint's lightest body is lighter its rows are softened less, down to a part.
 const MANY: f64 = 8.0;
 const MIN_PART: f64 = 1e-3;
 /// By how much of its trace the inertia of bodies in one line is raised.

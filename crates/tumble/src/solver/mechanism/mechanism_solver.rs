@@ -229,8 +229,7 @@ impl MechanismSolver {
     }
 
     /// Goes on from the solution on the right side until the joints are met where bodies are after
-    /// `h` \[s\] from where they were saved, and moves them there. Returns the largest error that is
-    /// left.
+    /// `h` \[s\] from where they were saved, and moves them there. Returns the largest error left.
     pub(super) fn meet_positions(&mut self, h: f64) -> f64 {
         let (mut solution, mut most, mut worst) = (1, MAX_SOLUTIONS, f64::INFINITY);
         let mut first = f64::INFINITY;
