@@ -335,7 +335,7 @@ fn points_on(shape: &ColliderShape<f64>, kind: Ground, turn: Quat<f64>, [face, d
 /// Draws for each test.
 const CASES: u32 = 10_000;
 /// Where two choices hold a face as well, to within a part in a million, a tilt may have the other
-/// shown: so often of these draws at most, of which one in fifty thousand was found.
+/// shown: in at most this many of the draws, as one in fifty thousand was found.
 const MAX_TIES: u32 = 5;
 
 #[test]

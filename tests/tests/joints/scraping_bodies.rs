@@ -64,8 +64,8 @@ fn what_scrapes_the_ground_gains_no_energy() {
     }
 }
 
-/// Two rods on hinges that swing through their lowest place, over ground or none: the joints' widest
-/// gap, of the size, and by how much the energy differs from the start at most, of weight and size;
+/// Two rods on hinges that swing through their lowest place, over ground or none: the widest gap of
+/// the joints, of the size, and how far the energy is from that of the start, of weight and size;
 /// nothing where they touch.
 fn swings(case: u64, has_ground: bool) -> Option<[f64; 2]> {
     let mut draw = Draw::new(0x5C4B, case);
