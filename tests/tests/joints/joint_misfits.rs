@@ -155,9 +155,12 @@ fn outcome(case: u64, make: fn(&mut Draw, f64) -> Case, misfit: f64) -> Outcome 
     let before = rig.totals();
     let (start, most) = (before.energy(), before.kinetic().max(mass * G * size));
     let mut it = Outcome { gain: 0.0, case, gap: 0.0, momentum: 0.0, parts: 0.0 };
-    let steps = 300;
+    let (steps, mut pushed) = (300, 0.0_f64);
     for _ in 0..steps {
         rig.step();
+        let dt = rig.simulation.settings().dt;
+        let loads = rig.world.query::<&JointLoad>().iter().map(|load| load.force.length() * dt).sum::<Real>();
+        pushed = pushed.max(f64::from(loads));
         let gain = (rig.energy() - start) / most;
         assert!(gain.is_finite(), "case {case}");
         it.gain = it.gain.max(gain);
@@ -169,7 +172,8 @@ fn outcome(case: u64, make: fn(&mut Draw, f64) -> Case, misfit: f64) -> Outcome 
         let after = rig.totals();
         let moved = (after.linear_momentum - before.linear_momentum).length();
         let turned = (after.angular_momentum - before.angular_momentum).length();
-        it.momentum = moved.max(turned) / scale(&rig.world);
+        // Impulses of joints that contradict each other are rounded too.
+        it.momentum = moved.max(turned) / scale(&rig.world).max(pushed * size.max(1.0));
     }
     it
 }
