@@ -110,8 +110,9 @@ impl DirectContacts {
             if !solver.solve_half(half) {
                 break;
             }
+            // Where positions are met each solution may raise inertia: not more of them than need be.
             let mut halvings = 0;
-            while halvings < MAX_HALVINGS && self.is_excess(solver) {
+            while !stage.is_of_positions() && halvings < MAX_HALVINGS && self.is_excess(solver) {
                 halvings += 1;
                 self.halve(solver);
                 solver.solve_half(half);
@@ -124,7 +125,8 @@ impl DirectContacts {
     }
 
     /// Whether the last change of impulses was too large for the joints as they are with it: they
-    /// no longer answer as they did when it was found, for a limit that held them has let go.
+    /// no longer answer as they did when it was found, for a limit that held them has let go. Points
+    /// tell: friction that slides has speed against it in any case.
     fn is_excess(&self, solver: &mut MechanismSolver) -> bool {
         let Self { contacts, problem, beside, goals, before, .. } = self;
         solver.set_response();
@@ -133,7 +135,7 @@ impl DirectContacts {
         let change = |number: usize, row: usize| contacts[number].impulses[row] - before[number][row];
         for (number, (contact, shape)) in contacts.iter().zip(&problem.contacts).enumerate() {
             let speeds = contact.speeds(|end| velocities_to_be(solver, beside, end));
-            for row in (0..contact.rows()).filter(|row| problem.may_push[shape.first + row]) {
+            for row in (0..contact.points).filter(|row| problem.may_push[shape.first + row]) {
                 let responses = &problem.responses[(shape.first + row) * n..][..n];
                 let of_all = problem.contacts.iter().enumerate().map(|(number, shape)| {
                     let of_it = responses[shape.first..][..shape.rows()].iter().enumerate();
