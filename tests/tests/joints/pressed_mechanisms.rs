@@ -6,8 +6,6 @@
 //! contradict each other are solved as if they did not, or if the impulses that they had are the
 //! beginning of the next step when what they held against is gone.
 
-use std::f64::consts::TAU;
-
 use glam::{DQuat, DVec3};
 use tumble::math::Quat;
 use tumble::{Joint, Material, RigidBody, Shape};
@@ -18,13 +16,6 @@ use crate::direct_contacts::cuboid;
 use crate::jointed::*;
 
 const KINDS: [fn(hecs::Entity, hecs::Entity) -> Joint; 4] = [Joint::ball, Joint::hinge, Joint::universal, Joint::fixed];
-
-/// A direction at random.
-pub(crate) fn direction(draw: &mut Draw) -> DVec3 {
-    let (sin, cos) = draw.between(0.0, TAU).sin_cos();
-    let up = draw.between(-1.0, 1.0);
-    DVec3::new(cos, 0.0, sin) * (1.0 - up * up).sqrt() + DVec3::Y * up
-}
 
 /// A size \[m\] at random, and a world with ground, of 30 to 240 steps a second.
 fn rig_on_ground(draw: &mut Draw) -> (f64, Rig) {
@@ -49,7 +40,7 @@ fn what_is_pressed_is_not_shot_out() {
             cuboid(&mut rig, half, 4000.0 * half.element_product(), at, turn, Material::default())
         });
         let at = DVec3::Y * halves[0].y.min(halves[1].y);
-        rig.join_at(KINDS[case as usize % 4](boxes[0], boxes[1]), at, direction(&mut draw));
+        rig.join_at(KINDS[case as usize % 4](boxes[0], boxes[1]), at, draw.direction());
         let top = 2.0 * halves[0].y.max(halves[1].y);
         let speed = (G * size).sqrt() * draw.log_between(0.05, 1.0);
         let slab = Shape::cuboid([5.0 * size, 0.1 * size, 5.0 * size]);
@@ -84,11 +75,11 @@ fn what_a_hand_presses_down_is_not_thrown_when_it_lets_go() {
             DQuat::IDENTITY,
             Material::default(),
         );
-        let at = DVec3::Y * half.y + direction(&mut draw) * (draw.between(0.0, 1.0) * half.min_element());
+        let at = DVec3::Y * half.y + draw.direction() * (draw.between(0.0, 1.0) * half.min_element());
         let speed = draw.log_between(0.02, 0.3) * size;
         let hand = RigidBody::new(Shape::Point).kinematic().position(real(at)).linear_velocity(real(DVec3::Y * -speed));
         let hand = rig.spawn(hand);
-        let joint = rig.join_at(KINDS[case as usize % 4](hand, body), at, direction(&mut draw));
+        let joint = rig.join_at(KINDS[case as usize % 4](hand, body), at, draw.direction());
         let fastest = |rig: &mut Rig, time: f64| {
             let (end, mut fastest) = (rig.simulation.time() + time, 0.0_f64);
             while rig.simulation.time() < end {

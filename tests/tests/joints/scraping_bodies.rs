@@ -17,7 +17,6 @@ use tumble_tests::touching::{collider, ground, surfaced};
 use tumble_tests::{Draw, cases};
 
 use crate::jointed::*;
-use crate::pressed_mechanisms::direction;
 
 #[test]
 fn what_scrapes_the_ground_gains_no_energy() {
@@ -35,14 +34,14 @@ fn what_scrapes_the_ground_gains_no_energy() {
             _ => Shape::cuboid([0; 3].map(|_| draw.between(0.06, 0.26) * size)),
         };
         let at = DVec3::Y * (size * draw.between(0.55, 1.0));
-        let arm = direction(&mut draw);
+        let arm = draw.direction();
         let arm = DVec3::new(arm.x, arm.y.abs(), arm.z) * (0.5 * size);
-        let axis = direction(&mut draw);
-        let about = if kind == 0 { axis } else { direction(&mut draw) };
+        let axis = draw.direction();
+        let about = if kind == 0 { axis } else { draw.direction() };
         let turning = about * (2.0 * draw.between(0.0, 1.0) * (G / size).sqrt());
         let base = rig.ground();
         let body = RigidBody::new(shape.clone()).mass(1.0).position(real(at + arm));
-        let body = body.orientation(real_quat(DQuat::from_rotation_arc(DVec3::Y, direction(&mut draw))));
+        let body = body.orientation(real_quat(DQuat::from_rotation_arc(DVec3::Y, draw.direction())));
         let body = body.linear_velocity(real(turning.cross(arm))).angular_velocity(real(turning));
         let body = body.build().unwrap().spawn_with(&mut rig.world, (surfaced(collider(&shape), material),));
         rig.join_at(kinds[kind](base, body), at, axis);
@@ -72,14 +71,13 @@ fn swings(case: u64, has_ground: bool) -> Option<[f64; 2]> {
     let size = draw.log_between(0.1, 5.0);
     let (clear, ratio) = (draw.between(0.05, 0.3) * size, draw.log_between(1.0, 100.0));
     let mut rig = Rig::new(down(), 1.0 / draw.log_between(60.0, 240.0), 4 << (case % 3));
-    let post = rig.ground();
+    let up = DVec3::Y * (2.0 * size + clear);
     if has_ground {
-        let at = RigidBody::new(Shape::Point).fixed().position(real(DVec3::NEG_Y * (2.0 * size + clear)));
-        at.build().unwrap().spawn_with(&mut rig.world, (tumble::Collider::half_space(),));
+        ground(&mut rig.world, Material::default(), Quat::IDENTITY);
     }
-    let mut last = post;
+    let mut last = rig.ground();
     for number in 0..2 {
-        let left = DVec3::X * size * f64::from(number);
+        let left = up + DVec3::X * size * f64::from(number);
         let shape = Shape::cuboid(DVec3::new(0.49, 0.02, 0.02) * size);
         let body = RigidBody::new(shape).mass(if number == 0 { ratio } else { 1.0 });
         let body = rig.spawn(body.position(real(left + DVec3::X * 0.5 * size)));

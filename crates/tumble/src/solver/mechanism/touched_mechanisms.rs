@@ -9,12 +9,12 @@ use crate::solver::contact::round_contacts::RoundConstraint;
 use crate::solver::contact_work::ContactWorks;
 use crate::solver::direct::direct_choice::{Candidates, Owner};
 use crate::solver::direct::direct_contact::DirectContact;
-use crate::solver::direct::direct_contacts::ContactStage;
+use crate::solver::direct::direct_contacts::{ContactStage, DirectContacts};
 use crate::solver::direct::direct_group::DirectGroup;
 use crate::solver::joint_passes::pass_stages::JointPasses;
 use crate::solver::mechanism::free_row::Phase;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
-use crate::solver::mechanism::mechanism_solver::Half;
+use crate::solver::mechanism::mechanism_solver::{Half, MechanismSolver};
 use crate::solver::mechanism::mechanisms::{Mechanism, Mechanisms};
 use crate::solver::solver_bodies::{SolverBodies, SolverRow, halved};
 use crate::solver::substeps::GroupContact;
@@ -122,12 +122,9 @@ impl Mechanisms {
         }
         works.before_joints(bodies);
         let from: &SolverBodies = bodies;
-        self.mechanisms.par_iter_mut().by_at_least(1).filter(|it| it.is_free()).for_each(|it| {
-            it.read_motion(from);
-            it.solver.update_rows();
-            it.solver.solve_velocities(Half { phase: Phase::Velocities, h: f64::from(h), before: 1.0 });
-            it.is_sound = it.solver.bodies.iter().all(MechanismBody::is_finite);
-        });
+        let half = Half { phase: Phase::Velocities, h: f64::from(h), before: 1.0 };
+        let solving = self.mechanisms.par_iter_mut().by_at_least(1).filter(|it| it.is_free());
+        solving.for_each(|it| it.solve(from, |solver, _| solver.solve_velocities(half)));
         for it in self.mechanisms.iter().filter(|it| it.is_free() && it.is_sound) {
             it.jointed_bodies().iter().for_each(|body| body.write_momentum(bodies));
         }
@@ -158,10 +155,7 @@ impl Mechanisms {
         works.before_joints(bodies);
         let solving = self.mechanisms.par_iter_mut().by_at_least(1).filter(|it| takes_part(it));
         let from: &SolverBodies = bodies;
-        solving.for_each(|it| {
-            it.read_motion(from);
-            it.solve(stage, f64::from(h));
-        });
+        solving.for_each(|it| it.solve(from, |solver, direct| solve_stage(solver, direct, stage, f64::from(h))));
         for it in self.mechanisms.iter_mut().filter(|it| takes_part(it)) {
             if !it.is_sound {
                 continue;
@@ -239,22 +233,28 @@ impl Mechanism {
         bodies.get(end).unwrap_or_else(|| &self.direct.beside[end - bodies.len()]).row
     }
 
-    /// Solves a stage of a substep of `h` \[s\].
-    fn solve(&mut self, stage: ContactStage, h: f64) {
+    /// Reads how its bodies move, and solves its joints; impulses that are not finite are forgotten.
+    fn solve(&mut self, bodies: &SolverBodies, solve: impl FnOnce(&mut MechanismSolver, &mut DirectContacts)) {
+        self.read_motion(bodies);
         let Self { solver, direct, is_sound, .. } = self;
         solver.update_rows();
-        match stage {
-            ContactStage::Positions => solver.solve_once(h, direct, stage),
-            ContactStage::PositionsAgain => {
-                solver.take_back();
-                solver.solve_once(h, direct, stage);
-            }
-            ContactStage::Velocities | ContactStage::Bounce(_) => solver.solve_velocities_once(h, direct, stage),
-        }
+        solve(solver, direct);
         *is_sound = solver.bodies.iter().chain(&direct.beside).all(MechanismBody::is_finite);
         if !*is_sound {
             solver.forget_impulses();
         }
+    }
+}
+
+/// Solves a stage of a substep of `h` \[s\].
+fn solve_stage(solver: &mut MechanismSolver, direct: &mut DirectContacts, stage: ContactStage, h: f64) {
+    match stage {
+        ContactStage::Positions => solver.solve_once(h, direct, stage),
+        ContactStage::PositionsAgain => {
+            solver.take_back();
+            solver.solve_once(h, direct, stage);
+        }
+        ContactStage::Velocities | ContactStage::Bounce(_) => solver.solve_velocities_once(h, direct, stage),
     }
 }
 
