@@ -110,7 +110,7 @@ impl DirectContacts {
             if !solver.solve_half(half) {
                 break;
             }
-            // Where positions are met each solution may raise inertia: not more of them than need be.
+            // Where positions are met each solution may raise inertia.
             let mut halvings = 0;
             while !stage.is_of_positions() && halvings < MAX_HALVINGS && self.is_excess(solver) {
                 halvings += 1;
@@ -124,9 +124,8 @@ impl DirectContacts {
         self.finish(solver, stage);
     }
 
-    /// Whether the last change of impulses was too large for the joints as they are with it: they
-    /// no longer answer as they did when it was found, for a limit that held them has let go. Points
-    /// tell: friction that slides has speed against it in any case.
+    /// Whether the last change of impulses was too large for the joints with it: a limit that held
+    /// them has let go. Points tell: friction that slides has speed against it in any case.
     fn is_excess(&self, solver: &mut MechanismSolver) -> bool {
         let Self { contacts, problem, beside, goals, before, .. } = self;
         solver.set_response();

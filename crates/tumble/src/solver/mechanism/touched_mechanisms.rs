@@ -233,7 +233,7 @@ impl Mechanism {
         bodies.get(end).unwrap_or_else(|| &self.direct.beside[end - bodies.len()]).row
     }
 
-    /// Reads how its bodies move, and solves its joints; impulses that are not finite are forgotten.
+    /// Reads how its bodies move and solves its joints; forgets impulses that are not finite.
     fn solve(&mut self, bodies: &SolverBodies, solve: impl FnOnce(&mut MechanismSolver, &mut DirectContacts)) {
         self.read_motion(bodies);
         let Self { solver, direct, is_sound, .. } = self;
