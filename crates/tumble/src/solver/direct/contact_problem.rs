@@ -43,6 +43,10 @@ pub(crate) struct ContactProblem {
     pub(crate) impulses: Vec<f64>,
     /// Whether a point may push in this solution.
     pub(crate) may_push: Vec<bool>,
+    /// The speed by which a row gives way under an impulse of one along it; and by contact, by
+    /// which all its points do under one along any of them.
+    softness: Vec<f64>,
+    softness_together: Vec<f64>,
     /// Slower than this is at rest \[m/s\].
     pub(crate) rest: f64,
     /// Impulses before a step, and those from which a sweep changed least.
@@ -139,6 +143,10 @@ impl ContactProblem {
         self.impulses.resize(n, 0.0);
         self.may_push.clear();
         self.may_push.resize(n, true);
+        self.softness.clear();
+        self.softness.resize(n, 0.0);
+        self.softness_together.clear();
+        self.softness_together.resize(self.contacts.len(), 0.0);
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -154,7 +162,7 @@ impl ContactProblem {
     /// a joint gives no energy.
     pub(crate) fn soften(&mut self, mass: f64, is_of_positions: bool) {
         let n = self.len();
-        for contact in &self.contacts {
+        for (contact, softness_together) in self.contacts.iter().zip(&mut self.softness_together) {
             let parts = !is_of_positions && contact.normals().all(|row| self.speeds[row] >= 0.0);
             for row in 0..contact.rows() {
                 let at = contact.first + row;
@@ -162,6 +170,7 @@ impl ContactProblem {
                 let held = if row < contact.points && !parts { held.max(0.0) } else { 0.0 };
                 let softness = SOFTNESS / mass * contact.scale(at).powi(2) + held;
                 self.responses[at * n + at] += softness;
+                self.softness[at] = softness;
                 if row < contact.points && is_of_positions {
                     self.speeds[at] += softness * self.impulses[at];
                 }
@@ -171,6 +180,7 @@ impl ContactProblem {
             let together = normals.clone().map(of_row).sum::<f64>() / (points * points);
             let held = 1.0 / (mass * points) - together;
             if held > 0.0 && !parts {
+                *softness_together = held;
                 let push: f64 = self.impulses[normals.clone()].iter().sum();
                 for row in normals.clone() {
                     self.responses[row * n..][normals.clone()].iter_mut().for_each(|response| *response += held);
@@ -180,6 +190,13 @@ impl ContactProblem {
                 }
             }
         }
+    }
+
+    /// By how fast a point of a contact gives way under impulses, row by row of the contact.
+    pub(crate) fn speed_given(&self, number: usize, point: usize, impulses: impl Fn(usize) -> f64) -> f64 {
+        let ContactShape { first, points, .. } = self.contacts[number];
+        let all: f64 = (0..points).map(&impulses).sum();
+        self.softness[first + point] * impulses(point) + self.softness_together[number] * all
     }
 
     /// Finds the impulses, and the speeds with them.

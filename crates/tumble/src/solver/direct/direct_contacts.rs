@@ -8,7 +8,7 @@ use crate::solver::direct::contact_problem::ContactProblem;
 use crate::solver::direct::direct_contact::{DirectContact, MAX_CONTACT_ROWS, Push};
 use crate::solver::mechanism::contact_responses::JointsByContacts;
 use crate::solver::mechanism::mechanism_body::MechanismBody;
-use crate::solver::mechanism::mechanism_solver::{Half, MechanismSolver};
+use crate::solver::mechanism::mechanism_solver::{Half, MatrixChange, MechanismSolver};
 
 /// What contacts are solved for.
 #[derive(Clone, Copy, Debug)]
@@ -107,15 +107,17 @@ impl DirectContacts {
                 self.limit_bounce();
             }
             self.take_solution(solver);
-            if !solver.solve_half(half) {
+            // Further solutions than these do not raise inertia: it would add up.
+            let change = if repeat <= repeats { solver.solve_half(half) } else { solver.solve_half_again(half) };
+            if change == MatrixChange::None {
                 break;
             }
-            // Where positions are met each solution may raise inertia.
+            // With other inertia a shorter step is no better: it is solved again from there.
             let mut halvings = 0;
-            while !stage.is_of_positions() && halvings < MAX_HALVINGS && self.is_excess(solver) {
+            while change == MatrixChange::Rows && halvings < MAX_HALVINGS && self.is_excess(solver, stage) {
                 halvings += 1;
                 self.halve(solver);
-                solver.solve_half(half);
+                solver.solve_half_again(half);
             }
             if halvings == 0 && repeat >= repeats {
                 break;
@@ -126,7 +128,7 @@ impl DirectContacts {
 
     /// Whether the last change of impulses was too large for the joints with it: a limit that held
     /// them has let go. Points tell: friction that slides has speed against it in any case.
-    fn is_excess(&self, solver: &mut MechanismSolver) -> bool {
+    fn is_excess(&self, solver: &mut MechanismSolver, stage: ContactStage) -> bool {
         let Self { contacts, problem, beside, goals, before, .. } = self;
         solver.set_response();
         let (mut left, mut added) = (0.0, 0.0);
@@ -140,7 +142,11 @@ impl DirectContacts {
                     let of_it = responses[shape.first..][..shape.rows()].iter().enumerate();
                     of_it.map(|(row, by)| by * change(number, row)).sum::<f64>()
                 });
-                left += change(number, row) * (speeds[row] - goals[number][row]);
+                let given = problem.speed_given(number, row, |row| match stage.is_of_positions() {
+                    true => contact.impulses[row],
+                    false => change(number, row),
+                });
+                left += change(number, row) * (speeds[row] - goals[number][row] + given);
                 added += change(number, row) * of_all.sum::<f64>();
             }
         }

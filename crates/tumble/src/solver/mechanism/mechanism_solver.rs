@@ -95,6 +95,16 @@ pub(crate) struct Half {
     pub(crate) before: f64,
 }
 
+/// What a solution has changed in the matrix.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum MatrixChange {
+    None,
+    /// A row acts that did not, or no longer acts.
+    Rows,
+    /// Bodies have more inertia.
+    Inertia,
+}
+
 /// Solutions for the impulses of a substep, at most.
 const MAX_SOLUTIONS: u32 = 4;
 /// The same where bodies went past a bound with the first of them.
@@ -308,8 +318,17 @@ impl MechanismSolver {
 
     /// Solves for the impulses of one half: in the first those that meet the joints at the end of
     /// the substep if bodies move straight on, with as much inertia as these impulses ask for.
-    /// Returns whether the matrix has changed.
-    pub(crate) fn solve_half(&mut self, half: Half) -> bool {
+    pub(crate) fn solve_half(&mut self, half: Half) -> MatrixChange {
+        self.solve_raising(half, MAX_RAISES)
+    }
+
+    /// The same with the inertia that bodies have.
+    pub(crate) fn solve_half_again(&mut self, half: Half) -> MatrixChange {
+        self.solve_raising(half, 1)
+    }
+
+    /// The same with up to this many solutions, each with more inertia.
+    fn solve_raising(&mut self, half: Half, most_raises: u32) -> MatrixChange {
         let is_position = half.phase == Phase::Positions;
         let (mut changes, mut raises) = (0, 1);
         loop {
@@ -317,14 +336,18 @@ impl MechanismSolver {
             self.solve_right_side();
             if changes < MAX_CHANGES && self.settle(half) {
                 changes += 1;
-            } else if is_position && raises < MAX_RAISES && self.take_sudden_loads(half.h) {
+            } else if is_position && raises < most_raises && self.take_sudden_loads(half.h) {
                 raises += 1;
             } else {
                 break;
             }
             self.factor();
         }
-        changes > 0 || raises > 1
+        match (changes, raises) {
+            (0, 1) => MatrixChange::None,
+            (_, 1) => MatrixChange::Rows,
+            _ => MatrixChange::Inertia,
+        }
     }
 
     /// Raises the inertia of bodies on which the impulses of the right side are a sudden load.
