@@ -20,6 +20,9 @@ const MAX_ADVANCES: usize = 64;
 const LESS: [f64; 3] = [0.5, 0.75, 0.9];
 /// Part of the half thickness that stays free between a core and what it would touch.
 const CLEARANCE: f64 = 1e-2;
+/// What turns by more in the interval \[rad\] may have gone around, whatever it is in front of in
+/// the end.
+const MAX_TURN: f64 = 1.0;
 
 /// What is left of a convex shape, its layer, and where it is in the shape.
 struct Core<'a> {
@@ -28,6 +31,8 @@ struct Core<'a> {
     at: Isometry<f64>,
     /// What stays free around it \[m\].
     clearance: f64,
+    /// Whether it may touch what it is in front of again in the end.
+    may_touch: bool,
 }
 
 /// Where the core of a shape touches another on its way.
@@ -73,14 +78,47 @@ impl Passage {
     /// halved at the most.
     #[must_use]
     pub fn find<R: Scalar>(shapes: [&ColliderShape<R>; 2], courses: [&Course; 2]) -> Option<Self> {
-        // The first core that is free at the beginning says.
-        let ends = LESS.iter().map(|less| of_core(*less, shapes, courses));
-        ends.into_iter().find_map(|end| match end {
-            End::Touched => None,
-            End::Free => Some(None),
-            End::At(passage) => Some(Some(passage)),
-        })?
+        first_of_cores(shapes, courses, false)
     }
+
+    /// The same, of a core that is not in front again at the end of what it touches on its way. The
+    /// course of what turns about a point of contact is a chord of its way, which dips below it.
+    ///
+    /// ```
+    /// use tumble_collide::{ColliderShape, Course, Isometry, Passage};
+    /// use tumble_math::lane::Vec3;
+    ///
+    /// let (zero, half) = (Vec3::<f64>::zero(), Vec3::new(1.0, 0.001, 0.2));
+    /// let shapes = [&ColliderShape::HalfSpace, &ColliderShape::Cuboid { half_extents: half }];
+    /// let stays = Course::new(&Isometry::at(zero), zero, zero, zero);
+    /// // A plank that rises about its end, by half a radian; and one that turns into the ground.
+    /// let at = Vec3::new(1.0, 0.001, 0.0);
+    /// let rises = Vec3::new(0.5_f64.cos() - 1.0, 0.5_f64.sin(), 0.0);
+    /// let turn = Vec3::new(0.0, 0.0, 0.5);
+    /// let [rises, turns] = [rises, zero].map(|way| Course::new(&Isometry::at(at), at, way, turn));
+    /// assert!(Passage::find(shapes, [&stays, &rises]).is_some());
+    /// assert_eq!(Passage::find_crossing(shapes, [&stays, &rises]), None);
+    /// assert!(Passage::find_crossing(shapes, [&stays, &turns]).is_some());
+    /// ```
+    #[must_use]
+    pub fn find_crossing<R: Scalar>(shapes: [&ColliderShape<R>; 2], courses: [&Course; 2]) -> Option<Self> {
+        let turn: f64 = courses.map(|course| course.angular().dot(course.angular()).sqrt()).iter().sum();
+        first_of_cores(shapes, courses, turn < MAX_TURN)
+    }
+}
+
+/// Where the first core that is free at the beginning touches.
+fn first_of_cores<R: Scalar>(
+    shapes: [&ColliderShape<R>; 2],
+    courses: [&Course; 2],
+    may_touch: bool,
+) -> Option<Passage> {
+    let ends = LESS.iter().map(|less| of_core((*less, may_touch), shapes, courses));
+    ends.into_iter().find_map(|end| match end {
+        End::Touched => None,
+        End::Free => Some(None),
+        End::At(passage) => Some(Some(passage)),
+    })?
 }
 
 /// How the way of a core ends.
@@ -112,8 +150,13 @@ impl End {
     }
 }
 
-fn of_core<R: Scalar>(less: f64, [first, second]: [&ColliderShape<R>; 2], courses: [&Course; 2]) -> End {
+fn of_core<R: Scalar>(
+    (less, may_touch): (f64, bool),
+    [first, second]: [&ColliderShape<R>; 2],
+    courses: [&Course; 2],
+) -> End {
     let Some(core) = Core::of(second, less) else { return End::Free };
+    let core = Core { may_touch, ..core };
     let course = courses[1].of_part(&core.at);
     let courses = [courses[0], &course];
     let radius = course.off_center() + core.reach();
@@ -161,13 +204,30 @@ impl<'a> Core<'a> {
             }
             Convex::SmallerHull(..) | Convex::Triangle(_) => {}
         }
-        (half_thickness > 0.0).then_some(Self { convex, layer, at, clearance: CLEARANCE * half_thickness })
+        (half_thickness > 0.0).then_some(Self {
+            convex,
+            layer,
+            at,
+            clearance: CLEARANCE * half_thickness,
+            may_touch: false,
+        })
     }
 
     /// What ends at this moment with this gap.
     fn passage(&self, until: f64, gap: &Gap) -> Passage {
         let too_near = (self.clearance - gap.distance).max(0.0);
         Passage { until, normal: gap.normal, point: gap.on_first, too_near }
+    }
+
+    /// Whether it is in front of the plane in the end that it touched at a moment, which goes with
+    /// the first; beyond the layer of that \[m\].
+    fn is_in_front(&self, [first, second]: [&Course; 2], (until, gap): (f64, &Gap), layer: f64) -> bool {
+        let [then, end] = [until, 1.0].map(|moment| first.at(moment));
+        let turned = end.orientation * then.orientation.conjugate();
+        let (normal, on_plane) = (turned.rotate(gap.normal), end.to_world(then.to_local(gap.on_first)));
+        let body = second.at(1.0);
+        let nearest = body.to_world(self.convex.support(body.orientation.rotate_back(normal * -1.0)));
+        normal.dot(nearest - on_plane) > self.layer + layer
     }
 
     /// How far points inside the layer are from the origin at most \[m\].
@@ -213,6 +273,9 @@ fn end_at_shape(moving: &Moving<'_>, core: &Core<'_>, layer: f64) -> End {
     let Some((until, gap)) = advance(begin, least, moving.courses, rate, |moment| moving.gap(moment)) else {
         return End::Free;
     };
+    if core.may_touch && core.is_in_front(moving.courses, (until, &gap), layer) {
+        return End::Free;
+    }
     End::At(Passage { point: gap.on_first + gap.normal * layer, ..core.passage(until, &gap) })
 }
 
@@ -246,8 +309,11 @@ fn end_at_plane(core: &Core<'_>, courses: [&Course; 2], radius: f64) -> End {
         across.dot(across).sqrt() * radius - way.dot(normal)
     };
     let least = core.clearance.min(0.5 * begin.distance);
-    let Some((until, gap)) = advance(begin, least, courses, rate, gap) else { return End::Free };
-    End::At(core.passage(until, &gap))
+    let Some((until, touched)) = advance(begin, least, courses, rate, gap) else { return End::Free };
+    if core.may_touch && gap(1.0).is_some_and(|gap| gap.distance > 0.0) {
+        return End::Free;
+    }
+    End::At(core.passage(until, &touched))
 }
 
 /// Until when a way is free, and the gap then: as long as it is wider than `least` \[m\]. `None`

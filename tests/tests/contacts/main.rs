@@ -36,6 +36,7 @@ mod simbenchmark;
 mod sleep;
 mod sleep_changes;
 mod sleep_repeats;
+mod sliding_planks;
 mod thin_bodies;
 mod tiles;
 mod towers;

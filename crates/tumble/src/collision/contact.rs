@@ -1,5 +1,6 @@
 //! The persistent contact record: points, surface values, and impulses for the warm start.
 
+use glam::DVec3;
 use tumble_collide::{MAX_MANIFOLD_POINTS, Manifold};
 use tumble_math::lane::Vec3;
 
@@ -7,7 +8,7 @@ use crate::collision::collider_state::ColliderState;
 use crate::collision::contact_rows::{ContactGeometry, NormalImpulses, PointPair, WorldFriction};
 use crate::collision::material::Surface;
 use crate::collision::narrow_phase::LaneKind;
-use crate::math::Real;
+use crate::math::{Real, dvec3};
 use crate::simd::Octet;
 use crate::storage::body_index::Slot;
 
@@ -200,6 +201,12 @@ impl ContactRecord {
     /// Whether a point of it pushed in the last substep.
     pub(crate) fn has_impulses(&self) -> bool {
         self.normal_impulses.at_points != [0.0; MAX_MANIFOLD_POINTS]
+    }
+
+    /// On the second body in the last substep [N s].
+    pub(crate) fn impulse_of_substep(&self) -> DVec3 {
+        let along: Real = self.normal_impulses.at_points.iter().sum();
+        dvec3((self.geometry.normal * along + self.friction.linear).into())
     }
 
     /// Has the next step begin without the impulses of the last.

@@ -4,7 +4,7 @@
 //! it would hang in the air for as long as it spins.
 
 use glam::DVec3;
-use tumble_collide::{Aabb, Course};
+use tumble_collide::{Aabb, Course, Passage};
 use tumble_math::FreeRotation;
 use tumble_math::lane::{Quat, Vec3};
 
@@ -121,7 +121,7 @@ impl CollisionPipeline {
         self.for_each_near((slot, &aabb), columns, surroundings, |other| {
             let (Some(end), Some((its, its_offset))) = (pose(other), self.colliders.get(other)) else { return };
             let its_course = self::course((its, *its_offset), &end, [DVec3::ZERO; 2]);
-            if let Some((part, passage)) = first_passage([its, collider], &[its_course, course])
+            if let Some((part, passage)) = first_passage([its, collider], &[its_course, course], Passage::find)
                 && first.as_ref().is_none_or(|first| (passage.until, other) < (first.until, first.other))
                 && !self.lets_pass([other, slot], part, &passage)
             {

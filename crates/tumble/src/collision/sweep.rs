@@ -95,6 +95,7 @@ impl CollisionPipeline {
         }
         if !sweep.pairs.is_empty() {
             self.list_travellers(&mut sweep, columns, settings.substep());
+            self.note_pushes(&mut sweep.travellers, settings.contact_substep());
             self.stop_all(&mut sweep, columns, settings);
             let surroundings = Surroundings { joints, endless: &sweep.endless };
             self.move_on(&sweep.travellers, columns, surroundings, settings);
@@ -310,6 +311,20 @@ impl CollisionPipeline {
         places.extend(pairs.iter().map(|pair| pair.map(|slot| find(travellers, slot))));
     }
 
+    /// Notes the forces of contacts when the substep ends, the last of substeps of `h` \[s\].
+    fn note_pushes(&self, travellers: &mut [Traveller], h: Real) {
+        for contact in self.contacts.records.iter().filter(|it| it.has_impulses()) {
+            let last = f64::from(h) / f64::from(1_u32 << contact.halvings());
+            let force = contact.impulse_of_substep() / last;
+            for (slot, sign) in contact.slots.into_iter().zip([-1.0, 1.0]) {
+                let place = find(travellers, slot);
+                if let Some(it) = travellers.get_mut(place).filter(|it| it.slot == slot) {
+                    it.pushed += force * sign;
+                }
+            }
+        }
+    }
+
     /// Follows all pairs, and stops what crosses, the earliest first.
     fn stop_all(&self, sweep: &mut Sweep, columns: &mut WorldColumns<'_>, settings: &Settings) {
         sweep.lost.begin(&sweep.travellers, columns);
@@ -362,7 +377,7 @@ impl CollisionPipeline {
             (both, second.until, [rest(first), rest(second)]),
         ];
         let stop = parts.into_iter().filter(|(from, to, _)| from < to).find_map(|(from, to, courses)| {
-            let (part, passage) = first_passage([a, b], &courses)?;
+            let (part, passage) = first_passage([a, b], &courses, Passage::find_crossing)?;
             let until = from + passage.until * (to - from);
             Some(Stop { traveller, other, part, passage: Passage { until, ..passage } })
         })?;
@@ -384,7 +399,7 @@ impl CollisionPipeline {
         columns: &mut WorldColumns<'_>,
         settings: &Settings,
     ) -> Option<ContactRecord> {
-        let gained = settings.gravity * settings.substep();
+        let (gained, h) = (settings.gravity * settings.substep(), f64::from(settings.substep()));
         // What was stopped before stays where it is, and so does what comes up to it.
         let is_still = travellers[other].until < passage.until;
         let Traveller { is_free, is_fast, with: its, .. } = travellers[other];
@@ -393,9 +408,9 @@ impl CollisionPipeline {
         // What is stopped again and again may come nearer each time; free bodies keep their centre
         // of mass.
         let off = if is_free { DVec3::ZERO } else { (passage.normal * passage.too_near).into() };
-        travellers[traveller].stop(passage.until, (with, off), columns, gained);
+        travellers[traveller].stop(passage.until, (with, off), columns, (gained, h));
         if is_free && is_fast && !is_still {
-            travellers[other].stop(passage.until, (None, DVec3::ZERO), columns, gained);
+            travellers[other].stop(passage.until, (None, DVec3::ZERO), columns, (gained, h));
         }
         let both = [other, traveller].map(|it| &travellers[it]);
         let [first, second] = both.map(|it| {

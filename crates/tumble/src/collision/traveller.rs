@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec3};
-use tumble_collide::{Course, Isometry, Passage, contact_manifold};
+use tumble_collide::{ColliderShape, Course, Isometry, Passage, contact_manifold};
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::collider::Collider;
@@ -49,7 +49,9 @@ pub(crate) struct Traveller {
     pub(crate) until: f64,
     /// ... and which of the others it stays with then.
     pub(crate) with: Option<usize>,
-    /// What gravity did after that and is taken back [N s].
+    /// The force of its contacts when the substep ends \[N\].
+    pub(crate) pushed: DVec3,
+    /// What gravity did after it was stopped and is taken back [N s].
     taken_back: DVec3,
     /// By how much it is moved off what it comes too near \[m\].
     off: DVec3,
@@ -80,6 +82,7 @@ impl Traveller {
             spins: expected.length() > PI,
             until: 1.0,
             with: None,
+            pushed: DVec3::ZERO,
             taken_back: DVec3::ZERO,
             off: DVec3::ZERO,
         })
@@ -94,20 +97,24 @@ impl Traveller {
     }
 
     /// Stops it at a moment, to stay with another from then on. Its angular momentum turns with it,
-    /// and gravity, which gives `gained` [m/s] in a substep, has done nothing since: so it has the
-    /// energy that it had. It is then moved by `off` \[m\].
+    /// and what contacts leave of gravity, which gives `gained` [m/s] in a substep of `h` \[s\], has
+    /// done nothing since: so it has the energy that it had. It is then moved by `off` \[m\].
     pub(crate) fn stop(
         &mut self,
         moment: f64,
         (with, off): (Option<usize>, DVec3),
         columns: &mut WorldColumns<'_>,
-        gained: WorldVec3,
+        (gained, h): (WorldVec3, f64),
     ) {
         let row = self.place.row as usize;
         let gained = vec3(AxisLock(self.locked_axes(columns)).along_free(dvec3(gained)));
         let scale = self.gravity_scale(columns);
         if let Some(columns) = columns.dynamic_mut(self.place) {
-            let left_out = crate::math::real(self.until - moment) * scale * columns.mass[row].kilograms();
+            let all = scale * columns.mass[row].kilograms();
+            let weight = dvec3(gained) * (f64::from(all) / h);
+            let left = (1.0 + weight.dot(self.pushed) / weight.length_squared()).clamp(0.0, 1.0);
+            let left = if left.is_nan() { 0.0 } else { left };
+            let left_out = crate::math::real(left * (self.until - moment)) * all;
             columns.momentum[row].linear -= gained * left_out;
             self.taken_back += dvec3(gained * left_out);
         }
@@ -327,7 +334,7 @@ fn carried(place: &Isometry<f64>, course: &Course, from: f64) -> Isometry<f64> {
 }
 
 /// A shape of a collider, and where it is in that.
-type Placed<'a> = (&'a tumble_collide::ColliderShape<Real>, &'a Isometry<f64>);
+type Placed<'a> = (&'a ColliderShape<Real>, &'a Isometry<f64>);
 
 /// Shows the pairs of solid parts of two colliders that push each other, with their numbers.
 fn for_each_pair([first, second]: [&Collider; 2], mut visit: impl FnMut([u32; 2], [Placed<'_>; 2])) {
@@ -341,14 +348,21 @@ fn for_each_pair([first, second]: [&Collider; 2], mut visit: impl FnMut([u32; 2]
     });
 }
 
+/// A way to find the passage of two shapes.
+type FindPassage = fn([&ColliderShape<Real>; 2], [&Course; 2]) -> Option<Passage>;
+
 /// Where the core of a solid part of the second of two colliders first touches a solid part of the
 /// first, and the number of that pair.
-pub(crate) fn first_passage(both: [&Collider; 2], courses: &[Course; 2]) -> Option<(u32, Passage)> {
+pub(crate) fn first_passage(
+    both: [&Collider; 2],
+    courses: &[Course; 2],
+    find_passage: FindPassage,
+) -> Option<(u32, Passage)> {
     let [first, second] = both;
     let mut found: Option<(u32, Passage)> = None;
     for_each_pair(both, |[part, its_part], [(shape, inner), (its, its_inner)]| {
         let [a, b] = [courses[0].of_part(inner), courses[1].of_part(its_inner)];
-        if let Some(passage) = Passage::find([shape, its], [&a, &b])
+        if let Some(passage) = find_passage([shape, its], [&a, &b])
             && found.is_none_or(|(_, first)| passage.until < first.until)
         {
             let [number, its_number] = [first.number_of_part(part), second.number_of_part(its_part)];
