@@ -1,11 +1,11 @@
 //! Promise: a thin plank that slides down a wall or over an edge gains no energy and is not thrown,
 //! however far it turns or slides in a step. At no time is there more than 2.5 `g h / v` of its
-//! weight by its length beyond the least so far, with the substep `h` and the speed `v` of a fall by
-//! its length.
+//! weight by its length beyond the least so far, with the substep `h` and the speed `v` of a fall
+//! by its length.
 //!
-//! Why: what turns about its lower edge is led to the end of a step along the chord of its way, which
-//! dips into the ground by more than the plank is thick. If the second net stops it there, it hangs
-//! on its edge; and if gravity that contacts have taken is taken back with it, it flies up.
+//! Why: what turns about its lower edge is led to the end of a step along the chord of its way,
+//! which dips into the ground by more than the plank is thick. If the second net stops it there, it
+//! hangs on its edge; and if gravity that contacts have taken is taken back then, it flies up.
 
 use hecs::{Entity, World};
 use tumble::math::{Quat, Vec3};
@@ -75,7 +75,7 @@ fn planks_that_slide_down_gain_no_energy() {
 }
 
 /// A plank that lies and slides goes over the edge of what it lies on without rising, in steps in
-/// which it goes up to half of its length, and from 1.5 to 8 times as thick as it falls in a substep.
+/// which it goes up to half of its length, and 1.5 to 8 times as thick as it falls in a substep.
 #[test]
 fn planks_slide_over_an_edge_without_rising() {
     for case in 0..u64::from(cases(200)) {

@@ -97,8 +97,8 @@ impl Traveller {
     }
 
     /// Stops it at a moment, to stay with another from then on. Its angular momentum turns with it,
-    /// and what contacts leave of gravity, which gives `gained` [m/s] in a substep of `h` \[s\], has
-    /// done nothing since: so it has the energy that it had. It is then moved by `off` \[m\].
+    /// and what contacts leave of gravity, which gives `gained` [m/s] in a substep of `h` \[s\],
+    /// has done nothing since: so it has its energy. It is then moved by `off` \[m\].
     pub(crate) fn stop(
         &mut self,
         moment: f64,
