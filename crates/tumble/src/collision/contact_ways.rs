@@ -80,6 +80,20 @@ fn is_doubtful(contact: &ContactRecord, gap: Real, states: [&ColliderState; 2], 
     through && (gap > margin || length(way) + swing[0] + swing[1] > FAST * least)
 }
 
+/// Whether a contact that is found again in each substep, of this part of the step, is where bodies
+/// meet then, with surfaces of these radii \[m\]: its plane is beside them by less than a margin.
+pub(crate) fn stays_round(
+    contact: &ContactRecord,
+    states: [&ColliderState; 2],
+    substep: Real,
+    radii: [Real; 2],
+) -> bool {
+    let [Motion { way: a, turn: s, radius: r, .. }, Motion { way: b, turn: t, radius: q, .. }] =
+        states.map(|state| state.motion);
+    let way = (length(b - a) + length(s) * r + length(t) * q) * substep;
+    contact.is_refined() && way * way < 2.0 * (radii[0] + radii[1]) * least_margin(states)
+}
+
 /// Whether two balls stay further apart than the margin on their ways, which for balls are lines.
 fn balls_pass(contact: &ContactRecord, gap: Real, [first, second]: [&ColliderState; 2], fall: Real) -> bool {
     let apart = second.center - first.center;

@@ -288,7 +288,7 @@ impl CollisionPipeline {
         near.find(collider_states, roles, broad_phase, joints);
         self.find_manifolds();
         let fall = settings.gravity.length() * intervals.ahead * intervals.ahead;
-        self.limit_speculative(fall, joints);
+        self.limit_speculative((fall, 1.0 / settings.contact_substeps_each() as Real), joints);
         self.leave_out_internal_edges();
     }
 

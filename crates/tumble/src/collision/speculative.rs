@@ -11,7 +11,7 @@ use tumble_math::lane::Vec3;
 use crate::collision::collider_state::ColliderState;
 use crate::collision::compound_parts::numbers;
 use crate::collision::contact::{ContactKey, ContactRecord, Second, UpdateRule};
-use crate::collision::contact_ways::{SAME_NORMAL, Way, least_margin, length, nearest};
+use crate::collision::contact_ways::{SAME_NORMAL, Way, least_margin, length, nearest, stays_round};
 use crate::collision::narrow_phase::LaneKind;
 use crate::collision::partners::Partners;
 use crate::collision::pipeline::{Colliders, CollisionPipeline, PART};
@@ -64,12 +64,19 @@ struct Traveller {
 }
 
 impl CollisionPipeline {
-    /// Goes along the ways of bodies that are about to get through the plane of a contact.
-    pub(crate) fn limit_speculative(&mut self, fall: Real, joints: &JointList) {
+    /// Goes along the ways of bodies that are about to get through the plane of a contact, under
+    /// gravity that takes them so far \[m\] in a step, of which substeps are this part.
+    pub(crate) fn limit_speculative(&mut self, (fall, substep): (Real, Real), joints: &JointList) {
         let Self { contacts, collider_states, colliders, ways, partners, .. } = self;
         let contacts = &mut contacts.records;
         let states = &collider_states.states[..];
-        let class = |contact: &ContactRecord| Way::of(contact, contact.slots.map(|slot| &states[slot.index()]), fall);
+        let rounding = |slot: Slot| colliders.get(slot).map_or(0.0, |(it, _)| rounding(it.geometry()));
+        let class = |contact: &ContactRecord| {
+            let of_pair = contact.slots.map(|slot| &states[slot.index()]);
+            let way = Way::of(contact, of_pair, fall);
+            let is_followed = || stays_round(contact, of_pair, substep, contact.slots.map(rounding));
+            if way == Way::Doubtful && is_followed() { Way::Plain } else { way }
+        };
         ways.clear();
         ways.resize(contacts.len(), Way::Plain);
         let parts = ways.par_chunks_mut(PART).zip(contacts.par_chunks(PART));
@@ -152,6 +159,14 @@ fn plane(contact: &ContactRecord, states: [&ColliderState; 2]) -> Meeting {
     let way = wide(second - first);
     let (gap, along) = (f64::from(nearest(contact)), -normal.dot(way));
     Meeting { moment: if along > gap { gap / along } else { 1.0 }, is_hit: along > gap, distance: 0.0, normal }
+}
+
+/// The radius that the surface of a shape has wherever it is touched \[m\].
+fn rounding(shape: &ColliderShape<Real>) -> Real {
+    match shape {
+        ColliderShape::Sphere { radius } | ColliderShape::Capsule { radius, .. } => *radius,
+        _ => 0.0,
+    }
 }
 
 fn is_surface(geometry: &ColliderShape<Real>) -> bool {
