@@ -10,6 +10,7 @@
 
 pub(crate) mod aabb_tiles;
 pub(crate) mod body_key;
+pub(crate) mod capsule_crossing;
 pub(crate) mod collider;
 pub(crate) mod collider_error;
 pub(crate) mod collider_shape;

@@ -3,9 +3,11 @@
 use tumble_collide::{ColliderShape, Isometry, Manifold, contact_manifolds};
 use tumble_math::lane::Vec3;
 
+use crate::collision::capsule_crossing::Crossing;
 use crate::collision::collider_state::ColliderState;
 use crate::collision::compound_parts::numbers;
 use crate::collision::contact::ContactRecord;
+use crate::collision::contact_ways::length;
 use crate::collision::pipeline::Colliders;
 use crate::math::Real;
 use crate::storage::body_index::Slot;
@@ -30,6 +32,8 @@ pub(crate) struct RoundContact {
     margin: Real,
     /// Shapes whose origins are further apart \[m\] are no contact.
     far: Real,
+    /// Of capsules that cross, which are found again in lanes.
+    pub(crate) crossing: Option<Crossing>,
 }
 
 /// Within a substep bodies come together by at most this number of times what a substep's part of a
@@ -64,6 +68,13 @@ impl RoundContact {
         });
         let [reach, margin] = [states[0].reach + states[1].reach, states[0].margin + states[1].margin];
         let margin = reach.min(margin + SPEED_UP * part_of_step * (reach - margin));
+        let has_non_dynamic = !states[0].is_dynamic;
+        let apart = states[0].center - origin;
+        let [mut about_first, about_second] = placements;
+        about_first.position = about_first.position - apart;
+        let turns = states.map(|state| length(state.motion.turn));
+        let share = if has_non_dynamic { 1.0 } else { 0.5 };
+        let crossing = Crossing::of([first, second], [about_first, about_second], turns, share);
         let radius = |shape: &ColliderShape<Real>| shape.reach().unwrap_or(Real::INFINITY);
         Some(Self {
             contact: number,
@@ -71,10 +82,11 @@ impl RoundContact {
             whole: inner.iter().all(Option::is_none).then_some(slots),
             geometries: [first.clone(), second.clone()],
             placements,
-            has_non_dynamic: !states[0].is_dynamic,
-            apart: states[0].center - origin,
+            has_non_dynamic,
+            apart,
             margin,
             far: radius(first) + radius(second) + margin,
+            crossing: crossing.filter(|_| contact.count() == 1),
         })
     }
 

@@ -9,6 +9,7 @@ use crate::simd::block_lanes::Lanes;
 use crate::simd::{BLOCK, RowColors, dispatch_in_blocks};
 use crate::solver::block_parts::{in_parts, run};
 use crate::solver::body_rows::{BodyPose, DeltaPose};
+use crate::solver::contact::capsule_axes::CapsuleAxes;
 use crate::solver::contact::constraint::{Belt, Block, Bounce, Rolling};
 use crate::solver::contact::follow_bodies::Follow;
 use crate::solver::contact::line::Line;
@@ -38,7 +39,9 @@ pub(crate) struct ContactConstraints {
     colors: Vec<ColorRange>,
     /// Which rows the contacts of each color change.
     row_colors: RowColors,
-    /// Of the round contacts.
+    /// The round contacts that are found again one by one, by their numbers among all round ones,
+    /// and where they are laid out.
+    found_again: Vec<u32>,
     places: Vec<Place>,
     /// Of all contacts, by their numbers.
     all_places: Vec<Place>,
@@ -62,6 +65,7 @@ struct BlockSheet<const P: usize, const C: usize> {
     blocks: Vec<Block<P, C>>,
     rolling: Vec<Rolling>,
     lines: Vec<Line>,
+    axes: Vec<CapsuleAxes>,
     bounces: Vec<Bounce<P>>,
     belts: Vec<Belt>,
     locks: Vec<BlockLocks>,
@@ -74,6 +78,7 @@ impl<const P: usize, const C: usize> Default for BlockSheet<P, C> {
             blocks: Vec::new(),
             rolling: Vec::new(),
             lines: Vec::new(),
+            axes: Vec::new(),
             bounces: Vec::new(),
             belts: Vec::new(),
             locks: Vec::new(),
@@ -217,19 +222,35 @@ impl ContactConstraints {
 
     /// Finds out where the contacts with these numbers, in their order, are laid out.
     pub(crate) fn locate(&mut self, contacts: usize, rounds: &[RoundConstraint]) {
+        self.found_again.clear();
         self.places.clear();
-        if !rounds.is_empty() {
-            self.place_all(contacts);
-            let Self { places, all_places, .. } = self;
-            places.extend(rounds.iter().map(|round| all_places[round.number() as usize]));
+        self.ones.axes.clear();
+        if rounds.is_empty() {
+            return;
+        }
+        self.place_all(contacts);
+        let Self { found_again, places, all_places, ones, .. } = self;
+        if rounds.iter().any(|round| round.crossing().is_some()) {
+            ones.axes.resize(ones.blocks.len(), CapsuleAxes::NONE);
+        }
+        for (number, round) in (0..).zip(rounds) {
+            let place = all_places[round.number() as usize];
+            match (round.crossing(), place.sheet) {
+                (Some(axes), Sheet::Ones) => ones.axes[place.block].set(place.lane, axes),
+                _ => {
+                    found_again.push(number);
+                    places.push(place);
+                }
+            }
         }
     }
 
     /// Finds round contacts again after their bodies have moved.
     pub(crate) fn update_round_contacts(&mut self, rounds: &[RoundConstraint], delta_pose: &[DeltaPose]) {
-        let Self { ones, fours, places, .. } = self;
-        for ((round, found), place) in rounds.iter().zip(round_contacts::find(rounds, delta_pose)).zip(places) {
-            let (Some(manifold), motion) = (found, (delta_pose, round)) else { continue };
+        let Self { ones, fours, found_again, places, .. } = self;
+        let found = round_contacts::find(rounds, found_again, delta_pose);
+        for ((number, place), found) in found_again.iter().zip(places).zip(found) {
+            let (Some(manifold), motion) = (found, (delta_pose, &rounds[*number as usize])) else { continue };
             match place.sheet {
                 Sheet::Ones => round_contacts::write(&manifold, ones.lane(place), motion),
                 Sheet::Fours => round_contacts::write(&manifold, fours.lane(place), motion),
@@ -381,6 +402,7 @@ impl<const P: usize, const C: usize> BlockSheet<P, C> {
             blocks: &mut self.blocks[range.clone()],
             rolling: self.rolling.get_mut(range.clone()).unwrap_or_default(),
             lines: self.lines.get_mut(range.clone()).unwrap_or_default(),
+            axes: self.axes.get(range.clone()).unwrap_or_default(),
             bounces: self.bounces.get_mut(range.clone()).unwrap_or_default(),
             belts: self.belts.get_mut(range.clone()).unwrap_or_default(),
             locks: self.locks.get(range.clone()).unwrap_or_default(),

@@ -30,9 +30,9 @@ impl<const P: usize, const C: usize> Kernel for Follow<'_, P, C> {
         let (bodies, inv_inertia) = self.bodies.load::<T>(index, lane, self.blocks.locks);
         let delta_pose = self.bodies.delta_poses(index, lane);
         let h = T::splat(self.h.into());
-        let Blocks { blocks, rolling, lags, .. } = &mut self.blocks;
-        let lag =
-            follow(&mut blocks[index], (rolling.get_mut(index), None), (lane, h), &delta_pose, (&bodies, &inv_inertia));
+        let Blocks { blocks, rolling, axes, lags, .. } = &mut self.blocks;
+        let others = (rolling.get_mut(index), None, axes.get(index));
+        let lag = follow(&mut blocks[index], others, (lane, h), &delta_pose, (&bodies, &inv_inertia));
         put_vector(lag, &mut lags[index], lane);
     }
 }

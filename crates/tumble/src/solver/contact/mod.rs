@@ -1,6 +1,7 @@
 //! Contact constraints: effective masses, impulses, friction and restitution.
 
 pub(crate) mod ball_collision;
+pub(crate) mod capsule_axes;
 pub(crate) mod constraint;
 pub(crate) mod contact_frame;
 pub(crate) mod effective_mass;

@@ -54,7 +54,8 @@ impl<const P: usize, const C: usize> Kernel for RecordApproachSpeed<'_, P, C> {
         if self.moment == SubstepMoment::Motion {
             let delta_pose = self.bodies.delta_poses(index, lane);
             let h = T::splat(1.0) / T::splat(self.inverse_h.into());
-            let others = (self.blocks.rolling.get_mut(index), self.blocks.lines.get_mut(index));
+            let (rolling, lines) = (&mut self.blocks.rolling, &mut self.blocks.lines);
+            let others = (rolling.get_mut(index), lines.get_mut(index), self.blocks.axes.get(index));
             let lag = follow(block, others, (lane, h), &delta_pose, (&bodies, &inv_inertia));
             // An impact that is to bounce stops what comes, and adds nothing: it would come back
             // with energy out of nothing.

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use tumble_collide::{Isometry, MAX_MANIFOLD_POINTS, Manifold};
 use tumble_math::lane::Vec3;
 
+use crate::collision::capsule_crossing::Crossing;
 use crate::collision::contact::ContactRecord;
 use crate::collision::round_contact::RoundContact;
 use crate::math::Real;
@@ -43,6 +44,11 @@ impl RoundConstraint {
         Self { contact: round, rows, weights }
     }
 
+    /// Of capsules that cross.
+    pub(crate) fn crossing(&self) -> Option<&Crossing> {
+        self.contact.crossing.as_ref()
+    }
+
     /// Its number among the contacts.
     pub(crate) fn number(&self) -> u32 {
         self.contact.contact
@@ -55,15 +61,21 @@ pub(crate) fn point_weight(margins: Real) -> Real {
     (2.0 - margins).clamp(crate::math::real(MIN_WEIGHT), 1.0)
 }
 
-/// The manifolds now of contacts whose bodies have moved, about the second body's centre of mass.
-pub(crate) fn find(rounds: &[RoundConstraint], delta_pose: &[DeltaPose]) -> Vec<Option<Manifold<Real>>> {
-    let mut found = vec![None; rounds.len()];
-    let parts = rounds.par_chunks(PART).zip(found.par_chunks_mut(PART));
-    parts.by_at_least(2).for_each(|(rounds, found)| {
+/// The manifolds now of the contacts with these numbers whose bodies have moved, about the second
+/// body's centre of mass.
+pub(crate) fn find(
+    rounds: &[RoundConstraint],
+    numbers: &[u32],
+    delta_pose: &[DeltaPose],
+) -> Vec<Option<Manifold<Real>>> {
+    let mut found = vec![None; numbers.len()];
+    let parts = numbers.par_chunks(PART).zip(found.par_chunks_mut(PART));
+    parts.by_at_least(2).for_each(|(numbers, found)| {
         // The manifolds of bodies that touch in several parts are found once.
         let mut of_pair = Vec::new();
         let mut last: Option<(&RoundConstraint, bool)> = None;
-        for (round, found) in rounds.iter().zip(found) {
+        for (number, found) in numbers.iter().zip(found) {
+            let round = &rounds[*number as usize];
             let known = last.filter(|(last, _)| last.rows == round.rows && last.contact.is_found_with(&round.contact));
             let has_moved = known.map_or_else(
                 || {

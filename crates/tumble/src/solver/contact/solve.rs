@@ -8,6 +8,7 @@ use crate::simd::block_lanes::{Lanes, at, put, vector_at};
 use crate::simd::{BLOCK, Kernel, Rows, Tile};
 use crate::solver::block_parts::ColorBlocks;
 use crate::solver::body_rows::{BodyMotion, DeltaPose, WarmStartImpulse, WorldInverseInertia};
+use crate::solver::contact::capsule_axes::CapsuleAxes;
 use crate::solver::contact::constraint::{Belt, Block, Bounce, Rolling};
 use crate::solver::contact::contact_frame::{
     BodyLanes, ContactFrame, DeltaPoses, InverseInertias, Momenta, TileLocks, along_normal,
@@ -26,6 +27,7 @@ pub(crate) struct Blocks<'a, const P: usize, const C: usize> {
     pub(crate) blocks: &'a mut [Block<P, C>],
     pub(crate) rolling: &'a mut [Rolling],
     pub(crate) lines: &'a mut [Line],
+    pub(crate) axes: &'a [CapsuleAxes],
     pub(crate) bounces: &'a mut [Bounce<P>],
     pub(crate) belts: &'a mut [Belt],
     pub(crate) locks: &'a [BlockLocks],
@@ -44,6 +46,7 @@ impl<const P: usize, const C: usize> ColorBlocks for Blocks<'_, P, C> {
         let (blocks, other_blocks) = self.blocks.split_at_mut(middle);
         let (rolling, other_rolling) = self.rolling.split_at_mut(of_some(self.rolling.len()));
         let (lines, other_lines) = self.lines.split_at_mut(of_some(self.lines.len()));
+        let (axes, other_axes) = self.axes.split_at(of_some(self.axes.len()));
         let (bounces, other_bounces) = self.bounces.split_at_mut(of_some(self.bounces.len()));
         let (belts, other_belts) = self.belts.split_at_mut(of_some(self.belts.len()));
         let (locks, other_locks) = self.locks.split_at(of_some(self.locks.len()));
@@ -52,12 +55,13 @@ impl<const P: usize, const C: usize> ColorBlocks for Blocks<'_, P, C> {
             blocks: other_blocks,
             rolling: other_rolling,
             lines: other_lines,
+            axes: other_axes,
             bounces: other_bounces,
             belts: other_belts,
             locks: other_locks,
             lags: other_lags,
         };
-        (Self { blocks, rolling, lines, bounces, belts, locks, lags }, others)
+        (Self { blocks, rolling, lines, axes, bounces, belts, locks, lags }, others)
     }
 }
 
@@ -146,7 +150,8 @@ impl<const P: usize, const C: usize> Kernel for Solve<'_, P, C> {
             (None, None) => {
                 let delta_pose = self.bodies.delta_poses(index, lane);
                 let h = T::splat(1.0) / T::splat(self.inverse_h.into());
-                let others = (self.blocks.rolling.get_mut(index), self.blocks.lines.get_mut(index));
+                let (rolling, lines) = (&mut self.blocks.rolling, &mut self.blocks.lines);
+                let others = (rolling.get_mut(index), lines.get_mut(index), self.blocks.axes.get(index));
                 follow(block, others, (lane, h), &delta_pose, (&bodies, &inv_inertia))
             }
         };

@@ -5,6 +5,7 @@ use tumble_math::lane::Vec3;
 use crate::collision::contact::UpdateRule;
 use crate::simd::Tile;
 use crate::simd::block_lanes::{at, put, put_vector, vector_at};
+use crate::solver::contact::capsule_axes::CapsuleAxes;
 use crate::solver::contact::constraint::{Block, Rolling};
 use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, DeltaPoses, InverseInertias, along_normal};
 use crate::solver::contact::effective_mass;
@@ -26,13 +27,13 @@ pub(crate) const LAG: f64 = 1.0 / 16.0;
 #[inline(always)]
 pub(crate) fn follow<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
-    (rolling, line): (Option<&mut Rolling>, Option<&mut Line>),
+    (rolling, line, axes): (Option<&mut Rolling>, Option<&mut Line>, Option<&CapsuleAxes>),
     (lane, h): (usize, T),
     delta_pose: &DeltaPoses<T>,
     (bodies, inv_inertia): (&BodyLanes<'_, T>, &InverseInertias<T>),
 ) -> Vec3<T> {
     let before: [Vec3<T>; 2] = [vector_at(&block.arms[0], lane), vector_at(&block.arms[1], lane)];
-    refresh(block, rolling, lane, delta_pose, &bodies.mobility(inv_inertia));
+    refresh(block, (rolling, axes), lane, delta_pose, &bodies.mobility(inv_inertia));
     let rule: T = at(&block.start.update_rule, lane);
     let found = T::select(at::<T>(&block.start.slide, lane).lt(T::splat(0.0)), T::splat(1.0), T::splat(0.0));
     let rolls = T::splat(0.0).lt(found.max(of_rule(rule, UpdateRule::RoundOnFlat)));
@@ -81,7 +82,7 @@ fn lag<T: Tile>([way, arm]: [Vec3<T>; 2], spin: Vec3<T>, gain: Vec3<T>, h: T) ->
 #[inline(always)]
 fn refresh<T: Tile, const P: usize, const C: usize>(
     block: &mut Block<P, C>,
-    rolling: Option<&mut Rolling>,
+    (mut rolling, axes): (Option<&mut Rolling>, Option<&CapsuleAxes>),
     lane: usize,
     delta_pose: &DeltaPoses<T>,
     mobility: &Mobility<'_, T>,
@@ -117,6 +118,9 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
         let meeting = of_rule(rule, UpdateRule::MeetingCenters);
         let separation = at::<T>(&block.start.separations[0], lane) + frame.normal.dot(slid);
         put_where(meeting, separation, &mut block.points[0].separation, lane);
+        if let Some(axes) = axes {
+            axes.find((&mut *block, rolling.as_deref_mut()), lane, (delta_pose, now));
+        }
     }
 
     // An arm that slides along with the other body changes what impulses do.
@@ -243,7 +247,7 @@ fn turn<T: Tile, const P: usize, const C: usize>(
 }
 
 #[inline(always)]
-fn put_vector_where<T: Tile>(
+pub(crate) fn put_vector_where<T: Tile>(
     changed: T,
     vector: Vec3<T>,
     numbers: &mut [crate::simd::block_lanes::Lanes; 3],
