@@ -22,8 +22,8 @@ pub(crate) struct Crossing {
 }
 
 impl Crossing {
-    /// Of shapes placed about their bodies' centres of mass, if they stay crossed while both turn by
-    /// no more than these angles \[rad\]; `share` of the gap is before the point.
+    /// Of shapes placed about their bodies' centres of mass, if they stay crossed while both turn
+    /// by no more than these angles \[rad\]; `share` of the gap is before the point.
     pub(crate) fn of(
         shapes: [&ColliderShape<Real>; 2],
         placements: [Isometry<Real>; 2],
