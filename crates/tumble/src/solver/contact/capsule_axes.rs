@@ -48,8 +48,8 @@ impl CapsuleAxes {
         self.share[lane] = axes.share;
     }
 
-    /// Moves the contacts of a tile to where the axes are nearest now, with the second body's centre
-    /// of mass from the first's \[m\].
+    /// Moves the contacts of a tile to where the axes are nearest now, with the second body's
+    /// centre of mass from the first's \[m\].
     #[inline(always)]
     pub(crate) fn find<T: Tile, const P: usize, const C: usize>(
         &self,
