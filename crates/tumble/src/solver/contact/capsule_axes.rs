@@ -172,7 +172,7 @@ mod tests {
             let first = Isometry { position: first.position - now, ..first };
             let mut found = None;
             contact_manifolds(&shapes[0], &first, &shapes[1], &second, 10.0, &mut |_, manifold| {
-                found = Some(*manifold)
+                found = Some(*manifold);
             });
             let (Some(axes), Some(found)) = (axes, found) else { continue };
             crossed += 1;
