@@ -10,7 +10,6 @@
 
 pub(crate) mod aabb_tiles;
 pub(crate) mod body_key;
-pub(crate) mod capsule_crossing;
 pub(crate) mod collider;
 pub(crate) mod collider_error;
 pub(crate) mod collider_shape;
@@ -24,6 +23,7 @@ pub(crate) mod contact_materials;
 pub(crate) mod contact_rows;
 pub(crate) mod contact_set;
 pub(crate) mod contact_ways;
+pub(crate) mod crossed_axes;
 pub(crate) mod internal_edges;
 pub(crate) mod islands;
 pub(crate) mod jointed_reach;

@@ -3,11 +3,11 @@
 use tumble_collide::{ColliderShape, Isometry, Manifold, contact_manifolds};
 use tumble_math::lane::Vec3;
 
-use crate::collision::capsule_crossing::Crossing;
 use crate::collision::collider_state::ColliderState;
 use crate::collision::compound_parts::numbers;
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_ways::length;
+use crate::collision::crossed_axes::CrossedAxes;
 use crate::collision::pipeline::Colliders;
 use crate::math::Real;
 use crate::storage::body_index::Slot;
@@ -33,7 +33,7 @@ pub(crate) struct RoundContact {
     /// Shapes whose origins are further apart \[m\] are no contact.
     far: Real,
     /// Of capsules that cross, which are found again in lanes.
-    pub(crate) crossing: Option<Crossing>,
+    pub(crate) crossed_axes: Option<CrossedAxes>,
 }
 
 /// Within a substep bodies come together by at most this number of times what a substep's part of a
@@ -74,7 +74,7 @@ impl RoundContact {
         about_first.position = about_first.position - apart;
         let turns = states.map(|state| length(state.motion.turn));
         let share = if has_non_dynamic { 1.0 } else { 0.5 };
-        let crossing = Crossing::of([first, second], [about_first, about_second], turns, share);
+        let crossed_axes = CrossedAxes::of([first, second], [about_first, about_second], turns, share);
         let radius = |shape: &ColliderShape<Real>| shape.reach().unwrap_or(Real::INFINITY);
         Some(Self {
             contact: number,
@@ -86,7 +86,7 @@ impl RoundContact {
             apart,
             margin,
             far: radius(first) + radius(second) + margin,
-            crossing: crossing.filter(|_| contact.count() == 1),
+            crossed_axes: crossed_axes.filter(|_| contact.count() == 1),
         })
     }
 

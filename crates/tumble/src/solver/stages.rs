@@ -230,12 +230,12 @@ impl ContactConstraints {
         }
         self.place_all(contacts);
         let Self { found_again, places, all_places, ones, .. } = self;
-        if rounds.iter().any(|round| round.crossing().is_some()) {
+        if rounds.iter().any(|round| round.crossed_axes().is_some()) {
             ones.axes.resize(ones.blocks.len(), CapsuleAxes::NONE);
         }
         for (number, round) in (0..).zip(rounds) {
             let place = all_places[round.number() as usize];
-            match (round.crossing(), place.sheet) {
+            match (round.crossed_axes(), place.sheet) {
                 (Some(axes), Sheet::Ones) => ones.axes[place.block].set(place.lane, axes),
                 _ => {
                     found_again.push(number);

@@ -2,7 +2,7 @@
 
 use tumble_math::lane::Vec3;
 
-use crate::collision::capsule_crossing::Crossing;
+use crate::collision::crossed_axes::CrossedAxes;
 use crate::simd::block_lanes::{Lanes, at, put_vector, vector_at};
 use crate::simd::{BLOCK, Tile};
 use crate::solver::contact::constraint::{Block, Rolling};
@@ -38,7 +38,7 @@ impl CapsuleAxes {
     };
 
     /// Puts those of a contact in a lane.
-    pub(crate) fn set(&mut self, lane: usize, axes: &Crossing) {
+    pub(crate) fn set(&mut self, lane: usize, axes: &CrossedAxes) {
         self.are_there[lane] = 1.0;
         for which in 0..2 {
             put_vector(axes.middles[which], &mut self.middles[which], lane);
@@ -162,7 +162,7 @@ mod tests {
                 rotation: rotation(&mut rng, 0.15),
                 has_turned: 1.0,
             });
-            let axes = Crossing::of([&shapes[0], &shapes[1]], placements, [0.05; 2], 0.5);
+            let axes = CrossedAxes::of([&shapes[0], &shapes[1]], placements, [0.05; 2], 0.5);
             let now = apart + deltas[1].translation - deltas[0].translation;
             let [first, second] = [0, 1].map(|which: usize| {
                 let turn = deltas[which].rotation;

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 use tumble_collide::{Isometry, MAX_MANIFOLD_POINTS, Manifold};
 use tumble_math::lane::Vec3;
 
-use crate::collision::capsule_crossing::Crossing;
 use crate::collision::contact::ContactRecord;
+use crate::collision::crossed_axes::CrossedAxes;
 use crate::collision::round_contact::RoundContact;
 use crate::math::Real;
 use crate::simd::block_lanes::{put, put_vector};
@@ -45,8 +45,8 @@ impl RoundConstraint {
     }
 
     /// Of capsules that cross.
-    pub(crate) fn crossing(&self) -> Option<&Crossing> {
-        self.contact.crossing.as_ref()
+    pub(crate) fn crossed_axes(&self) -> Option<&CrossedAxes> {
+        self.contact.crossed_axes.as_ref()
     }
 
     /// Its number among the contacts.

@@ -11,7 +11,7 @@ const CROSSING: Real = 0.1;
 
 /// The axes of two capsules, or of one and a ball.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Crossing {
+pub(crate) struct CrossedAxes {
     /// Their middles from the centres of mass of their bodies when the step began, and from there
     /// to their ends \[m\].
     pub(crate) middles: [Vec3<Real>; 2],
@@ -21,7 +21,7 @@ pub(crate) struct Crossing {
     pub(crate) share: Real,
 }
 
-impl Crossing {
+impl CrossedAxes {
     /// Of shapes placed about their bodies' centres of mass, if they stay crossed while both turn
     /// by no more than these angles \[rad\]; `share` of the gap is before the point.
     pub(crate) fn of(
