@@ -155,8 +155,7 @@ fn of_core<R: Scalar>(
     [first, second]: [&ColliderShape<R>; 2],
     courses: [&Course; 2],
 ) -> End {
-    let Some(core) = Core::of(second, less) else { return End::Free };
-    let core = Core { may_touch, ..core };
+    let Some(core) = Core::of(second, less, may_touch) else { return End::Free };
     let course = courses[1].of_part(&core.at);
     let courses = [courses[0], &course];
     let radius = course.off_center() + core.reach();
@@ -178,7 +177,7 @@ fn of_core<R: Scalar>(
 
 impl<'a> Core<'a> {
     /// Without this part of the half thickness.
-    fn of<R: Scalar>(shape: &'a ColliderShape<R>, less: f64) -> Option<Self> {
+    fn of<R: Scalar>(shape: &'a ColliderShape<R>, less: f64, may_touch: bool) -> Option<Self> {
         let half_thickness: f64 = shape.ccd_thickness().into();
         let less = less * half_thickness;
         let (mut convex, mut layer) = Convex::of(shape)?;
@@ -204,13 +203,7 @@ impl<'a> Core<'a> {
             }
             Convex::SmallerHull(..) | Convex::Triangle(_) => {}
         }
-        (half_thickness > 0.0).then_some(Self {
-            convex,
-            layer,
-            at,
-            clearance: CLEARANCE * half_thickness,
-            may_touch: false,
-        })
+        (half_thickness > 0.0).then_some(Self { convex, layer, at, clearance: CLEARANCE * half_thickness, may_touch })
     }
 
     /// What ends at this moment with this gap.

@@ -83,6 +83,41 @@ fn nothing_gets_through_a_half_space() {
     }
 }
 
+/// What turns about its lowest point by less than a radian has a course that dips below the plane.
+/// It crosses if and only if it is in the plane in the end.
+#[test]
+fn what_is_in_front_again_does_not_cross() {
+    let (mut dipped, mut crossed) = (0, 0);
+    for (kind, beyond) in KINDS {
+        for case in 0..2000 {
+            let mut random = Random::new(case);
+            let (shape, size) = solid(kind, &mut random);
+            let turned = Isometry { position: Vec3::zero(), orientation: random.rotation() };
+            let down = turned.orientation.rotate_back(Vec3::new(0.0, -1.0, 0.0));
+            let pivot = turned.orientation.rotate(shape.furthest(down).unwrap());
+            // The pivot is the origin but for a little height.
+            let thickness = shape.ccd_thickness();
+            let lift = Vec3::new(0.0, 0.05 * thickness, 0.0);
+            let body = Isometry { position: lift - pivot, ..turned };
+            let turn = random.direction() * random.between(0.1, 0.95);
+            let spun = Course::new(&body, Vec3::zero(), Vec3::zero(), turn).at(1.0).position;
+            let course = Course::new(&body, body.position, spun - body.position, turn);
+            let stays = Course::new(&Isometry::at(Vec3::<f64>::zero()), Vec3::zero(), Vec3::zero(), Vec3::zero());
+            let (shapes, courses) = ([&ColliderShape::HalfSpace, &shape], [&stays, &course]);
+            let [found, crossing] = [Passage::find(shapes, courses), Passage::find_crossing(shapes, courses)];
+            let end = height(&shape, courses, 1.0);
+            if end > 0.0 {
+                assert_eq!(crossing, None, "{kind} {case}: {end} m in the end, size {size}");
+                dipped += u32::from(found.is_some());
+            } else if end < -beyond * thickness - 1e-9 * size {
+                assert!(crossing.is_some() && crossing == found, "{kind} {case}: {end} m in the end");
+                crossed += 1;
+            }
+        }
+    }
+    assert!(dipped > 30 && crossed > 1000, "{dipped} dipped, {crossed} crossed");
+}
+
 /// A ball that falls straight down is stopped where half its radius is in the ground.
 #[test]
 fn a_ball_is_stopped_as_the_closed_form_has_it() {

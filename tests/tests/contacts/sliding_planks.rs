@@ -8,24 +8,23 @@
 //! hangs on its edge; and if gravity that contacts have taken is taken back then, it flies up.
 
 use hecs::{Entity, World};
+use tumble::Material;
 use tumble::math::{Quat, Vec3};
 use tumble::prelude::*;
-use tumble::{Collider, Material};
-use tumble_tests::touching::{collider, surfaced};
+use tumble_tests::touching::{collider, pose, spawn, surfaced};
 use tumble_tests::{Draw, cases, real};
 
 const GRAVITY: f64 = 9.81;
 
 /// A fixed box with this middle.
 fn spawn_block(world: &mut World, half: [f64; 3], middle: Vec3, material: Material) {
-    let block = RigidBody::new(Shape::Point).fixed().position(middle).build().unwrap();
-    block.spawn_with(world, (surfaced(Collider::new(&Shape::cuboid(half)).unwrap(), material),));
+    let block = RigidBody::new(Shape::Point).fixed().position(middle);
+    spawn(world, block, surfaced(collider(&Shape::cuboid(half)), material));
 }
 
 fn spawn_plank(world: &mut World, half: [f64; 3], body: impl Fn(RigidBody) -> RigidBody, material: Material) -> Entity {
     let shape = Shape::cuboid(half);
-    let plank = body(RigidBody::new(shape.clone()).density(25.0)).build().unwrap();
-    plank.spawn_with(world, (surfaced(collider(&shape), material),))
+    spawn(world, body(RigidBody::new(shape.clone()).density(25.0)), surfaced(collider(&shape), material))
 }
 
 fn settings(rate: f64, substeps: u32) -> Settings {
@@ -65,7 +64,7 @@ fn planks_that_slide_down_gain_no_energy() {
             rise = rise.max(energy - least);
         }
         let most = 2.5 * (GRAVITY / size).sqrt() / (rate * f64::from(substeps)) * weight * size;
-        let height = f64::from(world.get::<&Pose>(plank).unwrap().position.y);
+        let height = f64::from(pose(&world, plank).position.y);
         println!("case {case}: {:.3} of the most, {} high in the end", rise / most, height / size);
         if rise > most {
             failures.push((case, rise / most));
@@ -94,9 +93,9 @@ fn planks_slide_over_an_edge_without_rising() {
         let plank = spawn_plank(&mut world, [0.5 * size, thin, 0.2 * size], lies, material);
         let mut simulation = Simulation::new(settings(1.0 / dt, substeps)).unwrap();
         let mut highest = 0.0_f64;
-        while world.get::<&Pose>(plank).unwrap().position.x < real(3.0 * size) {
+        while pose(&world, plank).position.x < real(3.0 * size) {
             simulation.step(&mut world);
-            highest = highest.max(f64::from(world.get::<&Pose>(plank).unwrap().position.y));
+            highest = highest.max(f64::from(pose(&world, plank).position.y));
         }
         println!("case {case}: {} half thicknesses high", highest / thin);
         assert!(highest < 1.1 * thin, "case {case}: {} half thicknesses high", highest / thin);

@@ -70,11 +70,11 @@ impl CollisionPipeline {
         let Self { contacts, collider_states, colliders, ways, partners, .. } = self;
         let contacts = &mut contacts.records;
         let states = &collider_states.states[..];
-        let rounding = |slot: Slot| colliders.get(slot).map_or(0.0, |(it, _)| rounding(it.geometry()));
+        let radius = |slot: Slot| colliders.get(slot).map_or(0.0, |(it, _)| radius_of_curvature(it.geometry()));
         let class = |contact: &ContactRecord| {
             let of_pair = contact.slots.map(|slot| &states[slot.index()]);
             let way = Way::of(contact, of_pair, fall);
-            let is_followed = || stays_round(contact, of_pair, substep, contact.slots.map(rounding));
+            let is_followed = || stays_round(contact, of_pair, substep, contact.slots.map(radius));
             if way == Way::Doubtful && is_followed() { Way::Plain } else { way }
         };
         ways.clear();
@@ -161,8 +161,8 @@ fn plane(contact: &ContactRecord, states: [&ColliderState; 2]) -> Meeting {
     Meeting { moment: if along > gap { gap / along } else { 1.0 }, is_hit: along > gap, distance: 0.0, normal }
 }
 
-/// The radius that the surface of a shape has wherever it is touched \[m\].
-fn rounding(shape: &ColliderShape<Real>) -> Real {
+/// The least that the surface of a shape has wherever it is touched \[m\].
+fn radius_of_curvature(shape: &ColliderShape<Real>) -> Real {
     match shape {
         ColliderShape::Sphere { radius } | ColliderShape::Capsule { radius, .. } => *radius,
         _ => 0.0,

@@ -95,7 +95,6 @@ impl CollisionPipeline {
         }
         if !sweep.pairs.is_empty() {
             self.list_travellers(&mut sweep, columns, settings.substep());
-            self.note_pushes(&mut sweep.travellers, settings.contact_substep());
             self.stop_all(&mut sweep, columns, settings);
             let surroundings = Surroundings { joints, endless: &sweep.endless };
             self.move_on(&sweep.travellers, columns, surroundings, settings);
@@ -329,7 +328,7 @@ impl CollisionPipeline {
     fn stop_all(&self, sweep: &mut Sweep, columns: &mut WorldColumns<'_>, settings: &Settings) {
         sweep.lost.begin(&sweep.travellers, columns);
         sweep.stopped.clear();
-        for _ in 0..ROUNDS {
+        for round in 0..ROUNDS {
             let Sweep { travellers, places, stops, sorted, limits, stopped, blows, .. } = sweep;
             stops.clear();
             stops.resize(places.len(), None);
@@ -341,6 +340,9 @@ impl CollisionPipeline {
             sorted.extend(stops.iter().flatten());
             if sorted.is_empty() {
                 break;
+            }
+            if round == 0 {
+                self.note_pushes(travellers, settings.contact_substep());
             }
             // The earliest first; of equal ones the body that comes first.
             let order = |it: &Stop| (it.traveller, it.other);

@@ -112,8 +112,9 @@ impl Traveller {
         if let Some(columns) = columns.dynamic_mut(self.place) {
             let all = scale * columns.mass[row].kilograms();
             let weight = dvec3(gained) * (f64::from(all) / h);
-            let left = (1.0 + weight.dot(self.pushed) / weight.length_squared()).clamp(0.0, 1.0);
-            let left = if left.is_nan() { 0.0 } else { left };
+            let left = 1.0 + weight.dot(self.pushed) / weight.length_squared();
+            // Nothing where there is no weight.
+            let left = if left.is_nan() { 0.0 } else { left.clamp(0.0, 1.0) };
             let left_out = crate::math::real(left * (self.until - moment)) * all;
             columns.momentum[row].linear -= gained * left_out;
             self.taken_back += dvec3(gained * left_out);

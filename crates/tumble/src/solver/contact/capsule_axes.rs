@@ -6,9 +6,9 @@ use crate::collision::crossed_axes::CrossedAxes;
 use crate::simd::block_lanes::{Lanes, at, put_vector, vector_at};
 use crate::simd::{BLOCK, Tile};
 use crate::solver::contact::constraint::{Block, Rolling};
-use crate::solver::contact::contact_frame::{ContactFrame, DeltaPoses};
+use crate::solver::contact::contact_frame::DeltaPoses;
 use crate::solver::contact::effective_mass::put_where;
-use crate::solver::contact::update_geometry::{put_vector_where, tangents};
+use crate::solver::contact::update_geometry::move_point;
 
 /// Axes nearer than this part of what they are computed from touch: the direction between them is
 /// lost.
@@ -70,35 +70,16 @@ impl CapsuleAxes {
         let on_axes = [middles[0] + halves[0] * s, middles[1] + halves[1] * t];
         let between = on_axes[1] - on_axes[0];
         let distance = between.dot(between).sqrt();
-        let before = ContactFrame::<T>::load(block, lane);
         let touching = (halves[0].dot(halves[0]) + halves[1].dot(halves[1])).sqrt() * T::splat(TOUCHING);
         let are_apart = touching.lt(distance);
-        let normal = Vec3::select(are_apart, between * (one / distance), before.normal);
+        let normal = Vec3::select(are_apart, between * (one / distance), vector_at(&block.normal, lane));
         let separation = distance - (radii[0] + radii[1]);
         let half_way = (on_axes[0] + normal * radii[0] + on_axes[1] - normal * radii[1]) * half;
         let place = half_way + normal * (separation * (at::<T>(&self.share, lane) - half));
-        let tangents = tangents(normal);
-        put_where(which, separation, &mut block.points[0].separation, lane);
-        put_vector_where(which, normal, &mut block.normal, lane);
-        put_vector_where(which, tangents[0], &mut block.tangent, lane);
-        put_vector_where(which, place + apart, &mut block.arms[0], lane);
-        put_vector_where(which, place, &mut block.arms[1], lane);
         // The arm changes in any case.
         put_where(which, T::splat(-1.0), &mut block.start.slide, lane);
-        go_over([&before.tangents, &tangents], &mut block.friction.sliding, (which, lane));
-        if let Some(rolling) = rolling {
-            go_over([&before.tangents, &tangents], &mut rolling.impulse, (which, lane));
-        }
+        move_point((block, rolling), (which, lane), (normal, separation), [place + apart, place]);
     }
-}
-
-/// Has what is along some tangents be along others, where `which` is above zero.
-#[inline(always)]
-fn go_over<T: Tile>([old, new]: [&[Vec3<T>; 2]; 2], along: &mut [Lanes; 2], (which, lane): (T, usize)) {
-    let [u, v]: [T; 2] = [at(&along[0], lane), at(&along[1], lane)];
-    let world = old[0] * u + old[1] * v;
-    put_where(which, new[0].dot(world), &mut along[0], lane);
-    put_where(which, new[1].dot(world), &mut along[1], lane);
 }
 
 /// Within a segment, from -1 to 1.

@@ -4,7 +4,7 @@ use tumble_math::lane::Vec3;
 
 use crate::collision::contact::UpdateRule;
 use crate::simd::Tile;
-use crate::simd::block_lanes::{at, put, put_vector, vector_at};
+use crate::simd::block_lanes::{Lanes, at, put, put_vector, vector_at};
 use crate::solver::contact::capsule_axes::CapsuleAxes;
 use crate::solver::contact::constraint::{Block, Rolling};
 use crate::solver::contact::contact_frame::{BodyLanes, ContactFrame, DeltaPoses, InverseInertias, along_normal};
@@ -180,23 +180,44 @@ fn along_centers<T: Tile, const P: usize, const C: usize>(
 ) {
     let (zero, one, half) = (T::splat(0.0), T::splat(1.0), T::splat(0.5));
     let which = T::select(zero.lt(now.dot(now)), which, zero);
-    let before = ContactFrame::<T>::load(block, lane);
     let start: Vec3<T> = vector_at(&block.start.normal, lane);
     let gap: T = at(&block.start.separations[0], lane);
     let distance = now.dot(now).sqrt();
     let normal = now * (one / distance);
     let separation = distance - (start.dot(apart) - gap);
     let second = normal * (start.dot(arm) + gap * half - separation * half);
+    move_point((block, None), (which, lane), (normal, separation), [second + now, second]);
+}
+
+/// Moves contacts of one point where `which` is above zero: to this normal and separation, with
+/// these arms. What is along their tangents goes over to the new ones.
+#[inline(always)]
+pub(crate) fn move_point<T: Tile, const P: usize, const C: usize>(
+    (block, rolling): (&mut Block<P, C>, Option<&mut Rolling>),
+    (which, lane): (T, usize),
+    (normal, separation): (Vec3<T>, T),
+    arms: [Vec3<T>; 2],
+) {
+    let before = ContactFrame::<T>::load(block, lane).tangents;
     let tangents = tangents(normal);
     put_where(which, separation, &mut block.points[0].separation, lane);
     put_vector_where(which, normal, &mut block.normal, lane);
     put_vector_where(which, tangents[0], &mut block.tangent, lane);
-    put_vector_where(which, second + now, &mut block.arms[0], lane);
-    put_vector_where(which, second, &mut block.arms[1], lane);
-    let [u, v]: [T; 2] = [at(&block.friction.sliding[0], lane), at(&block.friction.sliding[1], lane)];
-    let world = before.tangents[0] * u + before.tangents[1] * v;
-    put_where(which, tangents[0].dot(world), &mut block.friction.sliding[0], lane);
-    put_where(which, tangents[1].dot(world), &mut block.friction.sliding[1], lane);
+    put_vector_where(which, arms[0], &mut block.arms[0], lane);
+    put_vector_where(which, arms[1], &mut block.arms[1], lane);
+    go_over([&before, &tangents], &mut block.friction.sliding, (which, lane));
+    if let Some(rolling) = rolling {
+        go_over([&before, &tangents], &mut rolling.impulse, (which, lane));
+    }
+}
+
+/// Has what is along some tangents be along others, where `which` is above zero.
+#[inline(always)]
+fn go_over<T: Tile>([old, new]: [&[Vec3<T>; 2]; 2], along: &mut [Lanes; 2], (which, lane): (T, usize)) {
+    let [u, v]: [T; 2] = [at(&along[0], lane), at(&along[1], lane)];
+    let world = old[0] * u + old[1] * v;
+    put_where(which, new[0].dot(world), &mut along[0], lane);
+    put_where(which, new[1].dot(world), &mut along[1], lane);
 }
 
 /// Turns the geometry of the step's start with the bodies.
@@ -247,12 +268,7 @@ fn turn<T: Tile, const P: usize, const C: usize>(
 }
 
 #[inline(always)]
-pub(crate) fn put_vector_where<T: Tile>(
-    changed: T,
-    vector: Vec3<T>,
-    numbers: &mut [crate::simd::block_lanes::Lanes; 3],
-    lane: usize,
-) {
+fn put_vector_where<T: Tile>(changed: T, vector: Vec3<T>, numbers: &mut [Lanes; 3], lane: usize) {
     put_where(changed, vector.x, &mut numbers[0], lane);
     put_where(changed, vector.y, &mut numbers[1], lane);
     put_where(changed, vector.z, &mut numbers[2], lane);
