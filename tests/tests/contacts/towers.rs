@@ -12,7 +12,7 @@ use tumble::math::{Quat, Real, Vec3};
 use tumble::prelude::*;
 use tumble::{Collider, Material, Rng};
 use tumble_tests::touching::{collider, ground, pose, spawn};
-use tumble_tests::{dvec3, run};
+use tumble_tests::{cases, dvec3, run};
 
 /// What stands on level ground, and where each body was put.
 struct Stack {
@@ -208,6 +208,66 @@ fn flat_pyramids_stand() {
         }
         let [aside, down, _] = stack.run(Settings::default(), 20.0);
         assert!(aside < 0.03 * edge && down < 0.05 * edge, "{edge} m: {aside} m aside, {down} m down");
+    }
+}
+
+/// A pyramid on a square: each box rests on four. Boxes of a course are apart by part of an edge.
+fn pyramid(courses: u8, edges: [f64; 3], density: f64, apart: f64) -> Stack {
+    let mut stack = Stack::new(Quat::IDENTITY);
+    let mass = density * edges[0] * edges[1] * edges[2];
+    for course in 0..courses {
+        let side = courses - course;
+        let places = (0..side).flat_map(|i| (0..side).map(move |j| [i, j]));
+        for [x, z] in places.map(|of| of.map(|i| (f64::from(i) - 0.5 * f64::from(side - 1)) * (1.0 + apart))) {
+            let height = edges[1] * (f64::from(course) + 0.5);
+            stack.add(edges, mass, [x * edges[0], height, z * edges[2]], Quat::IDENTITY);
+        }
+    }
+    stack
+}
+
+/// Columns of these boxes would buckle, and would have shorter substeps; what is laid in bond does
+/// not. Then loads press it in by the stiffness of substeps of the settings: a quarter as far with
+/// twice their number. Columns as high have the same substeps of both.
+#[test]
+fn wide_piles_have_the_substeps_of_the_settings() {
+    let sunk = |stack: &mut Stack, substeps| {
+        let settings = Settings::default().with_contact_substeps(substeps);
+        let [aside, down, speed] = stack.run(settings, 6.0);
+        assert!(aside < 0.03 * 0.2 && speed < 1e-3, "{substeps}: {aside} m aside, {speed} m/s");
+        down
+    };
+    let piles = [4, 8].map(|substeps| sunk(&mut pyramid(12, [0.2, 0.1, 0.2], 500.0, 0.01), substeps));
+    assert!((3.6..4.4).contains(&(piles[0] / piles[1])), "pyramids sank by {piles:?} m");
+    let columns = [4, 8].map(|substeps| {
+        let mut stack = Stack::new(Quat::IDENTITY);
+        (0..12_u8).for_each(|i| stack.add([0.2; 3], 4.0, [0.0, 0.2 * (f64::from(i) + 0.5), 0.0], Quat::IDENTITY));
+        sunk(&mut stack, substeps)
+    });
+    assert!(columns[0] / columns[1] < 1.5, "columns sank by {columns:?} m");
+}
+
+/// Pyramids of random boxes, courses and substeps.
+#[test]
+fn random_pyramids_stand() {
+    for draw in 0..cases(10).into() {
+        let mut rng = Rng::stream(31, draw);
+        let edge = logarithmic(&mut rng, 0.01, 10.0);
+        let courses = f64::from(rng.range(4.0, 11.99)) as u8;
+        let edges = [edge, edge * logarithmic(&mut rng, 0.2, 1.2), edge * logarithmic(&mut rng, 0.6, 1.6)];
+        let apart = f64::from(rng.range(0.0, 0.05));
+        let mut stack = pyramid(courses, edges, logarithmic(&mut rng, 10.0, 10_000.0), apart);
+        let substeps = f64::from(rng.range(4.0, 12.0)) as u32;
+        let steps = logarithmic(&mut rng, 60.0, 240.0);
+        let settings = Settings::default().with_dt((1.0 / steps) as Real).with_contact_substeps(substeps);
+        let [aside, down, speed] = stack.run(settings, 6.0);
+        let thin = edges[0].min(edges[1]).min(edges[2]);
+        let drawn = format!("draw {draw}: {courses} courses of {edges:?} m, {substeps} substeps at {steps} Hz");
+        assert!(
+            aside < 0.06 * edge && down < 0.015 * thin * f64::from(courses),
+            "{drawn}: {aside} m aside, {down} m down"
+        );
+        assert!(speed < 0.01 * (9.81 * thin).sqrt(), "{drawn}: {speed} m/s");
     }
 }
 

@@ -15,7 +15,7 @@ pub(crate) mod locked_bodies;
 pub(crate) mod mechanism;
 pub(crate) mod multi_world;
 pub(crate) mod solver_bodies;
-pub(crate) mod stack_stiffness;
+pub(crate) mod stack;
 pub(crate) mod stages;
 pub(crate) mod stale_impulses;
 pub(crate) mod substeps;

@@ -17,7 +17,7 @@ use crate::solver::halved_substeps::HalvedGroup;
 use crate::solver::joint_passes::pass_stages::JointPasses;
 use crate::solver::mechanism::mechanisms::Mechanisms;
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
-use crate::solver::stack_stiffness::Stacks;
+use crate::solver::stack::stack_stiffness::Stacks;
 use crate::solver::stages::{ContactConstraints, SolverStage};
 use crate::solver::stale_impulses::StaleImpulses;
 use crate::storage::body_index::{BodyIndex, Slot};
