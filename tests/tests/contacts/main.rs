@@ -40,3 +40,4 @@ mod sliding_planks;
 mod thin_bodies;
 mod tiles;
 mod towers;
+mod wedged_bodies;

@@ -6,6 +6,7 @@ pub(crate) mod constrained_bodies;
 pub(crate) mod contact;
 pub(crate) mod contact_work;
 pub(crate) mod direct;
+pub(crate) mod energy_bounds;
 pub(crate) mod gather_scatter;
 pub(crate) mod gather_tiles;
 pub(crate) mod graph_coloring;

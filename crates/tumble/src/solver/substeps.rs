@@ -12,6 +12,7 @@ use crate::solver::contact::round_contacts::RoundConstraint;
 use crate::solver::contact_work::ContactWorks;
 use crate::solver::direct::direct_contacts::ContactStage;
 use crate::solver::direct::direct_group::DirectGroup;
+use crate::solver::energy_bounds::EnergyBounds;
 use crate::solver::gather_scatter::{Constraints, ForceInputs, gather};
 use crate::solver::halved_substeps::HalvedGroup;
 use crate::solver::joint_passes::pass_stages::JointPasses;
@@ -47,6 +48,7 @@ pub(crate) struct SolverGroup {
     constraints: ContactConstraints,
     direct: DirectGroup,
     joints: JointPasses,
+    energy_bounds: EnergyBounds,
 }
 
 /// A contact of a group.
@@ -229,10 +231,12 @@ impl SolverGroup {
         let mut mechanisms = mechanisms.filter(|mechanisms| mechanisms.are_touched());
         let solve = SolverStage::solve(h, impact_speed);
         self.begin(all, extras, mechanisms.as_deref_mut());
-        let Self { bodies, contact_works, rounds, ball_collisions, constraints, direct, joints, .. } = self;
+        let Self { bodies, contact_works, rounds, ball_collisions, constraints, direct, joints, energy_bounds, .. } =
+            self;
         for substep in 0..substeps {
             contact_works.before_forces(bodies);
             bodies.integrate_velocities();
+            energy_bounds.after_forces(bodies);
             contact_works.before_solve(bodies);
             let (begin, end) = (f64::from(substep) * f64::from(h), f64::from(substep + 1) * f64::from(h));
             ball_collisions.iter_mut().for_each(|it| it.before_impulses(bodies, begin));
@@ -268,11 +272,13 @@ impl SolverGroup {
             }
             joints.relax(h, bodies, contact_works);
             constraints.run(SolverStage::Relax { h, impact_speed, stores_warm_start: substep + 1 < substeps }, bodies);
+            energy_bounds.bound_substep(bodies);
             contact_works.after_substep(bodies);
             ball_collisions.iter_mut().for_each(|it| it.after_impulses(bodies, end));
         }
         if extras.bounces {
             constraints.run(SolverStage::ApplyRestitution(threshold), bodies);
+            energy_bounds.bound_step(bodies);
             if let Some(mechanisms) = &mut mechanisms {
                 let stage = ContactStage::Bounce(threshold.into());
                 mechanisms.solve_stage((bodies, contact_works), direct, (stage, h));
@@ -288,12 +294,14 @@ impl SolverGroup {
 
     /// To be called before the first substep, with the mechanisms that contacts act on.
     fn begin(&mut self, all: &mut [ContactRecord], extras: Extras, mechanisms: Option<&mut Mechanisms>) {
-        let Self { bodies, contact_works, rounds, contacts, constraints, direct, joints, .. } = self;
+        let Self { bodies, contact_works, rounds, contacts, constraints, direct, joints, energy_bounds, .. } = self;
         direct.lay_out(all, bodies, extras);
         constraints.lay_out(all, contacts, bodies, extras);
         constraints.locate(all.len(), rounds);
         constraints.make_room_for_lines();
         joints.begin(bodies, contact_works);
+        let bounded = if mechanisms.is_some() || !joints.is_empty() { &[][..] } else { &**contacts };
+        energy_bounds.begin(all, bounded, bodies);
         bodies.with_poses(|bodies, poses| constraints.run(SolverStage::Prepare(all, poses), bodies));
         if let Some(mechanisms) = mechanisms {
             mechanisms.begin_touched((bodies, contact_works));
