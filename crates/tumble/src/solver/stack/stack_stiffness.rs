@@ -25,7 +25,8 @@ use crate::threads::InParts;
 /// such springs buckles when the moment of what leans beats their resistance to tilting: for one
 /// joint when `W H > k`, with the weight `W` of all that is above, the height `H` of its centre
 /// over the joint and the rotational stiffness `k`; for joints in series when the sum of `W H / k`
-/// is about one (Euler's column under its own weight: 1.3).
+/// is about one (Euler's column under its own weight: 1.3). What is laid in bond is stiffer: see
+/// [`Layers`].
 #[derive(Clone, Default)]
 pub(crate) struct Stacks {
     /// By slot.
