@@ -17,7 +17,7 @@ use crate::solver::substeps::GroupContact;
 #[derive(Clone, Default)]
 pub(crate) struct EnergyBounds {
     bodies: Vec<Bounded>,
-    /// By row, what touches the body.
+    /// By row, the bodies in contact with it.
     touched: Vec<Touched>,
 }
 

@@ -10,9 +10,9 @@ use crate::storage::body_index::Slot;
 
 /// Bodies that are tied by bodies which rest on several of them.
 ///
-/// Where all bodies of such a pile tilt alike, each that rests on several is lifted by some and sinks
-/// into others: it resists tilting, whatever it rests on does. So these bodies are not links of a
-/// column. Their layers as a whole are, and tilt about all that bears them.
+/// Where all bodies of such a pile tilt alike, each that rests on several is lifted by some and
+/// sinks into others: it resists tilting, whatever it rests on does. So these bodies are not links
+/// of a column. Their layers as a whole are, and tilt about all that bears them.
 #[derive(Clone, Default)]
 pub(super) struct Layers {
     tied: Islands,

@@ -22,8 +22,8 @@ pub(super) struct LoadOrder {
 }
 
 impl LoadOrder {
-    /// Orders contacts by the upper slot, keeping their order, and slots from the top down: not once
-    /// more where the pairs are those of the call before.
+    /// Orders contacts by the upper slot, keeping their order, and slots from the top down; all is
+    /// kept where the pairs are those of the call before.
     pub(super) fn sort(&mut self, pairs: impl Iterator<Item = [Slot; 2]> + Clone, slots: usize) {
         if self.begins.len() == slots + 2 && pairs.clone().eq(self.pairs.iter().copied()) {
             return;

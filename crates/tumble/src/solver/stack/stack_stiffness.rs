@@ -72,8 +72,8 @@ const MAX_DEPTH: Real = 5.0;
 /// Root mean square distance from the middle \[margins\] of what a body rests on, below which that
 /// is an edge or a corner and not a face.
 const MIN_SPREAD: Real = 8.0;
-/// Of the moment at which bodies of a layer would tilt with each other, the part under which they do
-/// not shake.
+/// Of the moment at which bodies of a layer would tilt with each other, the part under which they
+/// do not shake.
 const INTERLOCK: Real = 0.05;
 /// By how much what is needed must have fallen before an island has longer substeps again: a change
 /// of stiffness is a small push.
