@@ -4,7 +4,7 @@ use tumble_math::lane::Vec3;
 
 use crate::collision::contact::ContactRecord;
 use crate::math::{Real, real};
-use crate::solver::body_rows::BodyMotion;
+use crate::solver::body_rows::{BodyMotion, ForceImpulse};
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
 use crate::solver::substeps::GroupContact;
 
@@ -49,10 +49,9 @@ impl EnergyBounds {
         self.touched.clear();
         self.touched.resize(bodies.len(), Touched::Nothing);
         let first_non_dynamic = bodies.first_non_dynamic();
+        let conveys = |number: u32| all[number as usize].surface_velocity != Vec3::zero();
         for contact in contacts {
-            let record = &all[contact.number as usize];
-            let is_fixed =
-                is_still(bodies, contact.rows[0], first_non_dynamic) && record.surface_velocity == Vec3::zero();
+            let is_fixed = is_still(bodies, contact.rows[0], first_non_dynamic) && !conveys(contact.number);
             for row in contact.rows {
                 let touched = &mut self.touched[row.index()];
                 *touched = if is_fixed && *touched != Touched::Others { Touched::Fixed } else { Touched::Others };
@@ -69,8 +68,8 @@ impl EnergyBounds {
     /// To be called once forces have acted in a substep.
     pub(crate) fn after_forces(&mut self, bodies: &SolverBodies) {
         for it in &mut self.bodies {
-            it.substep = energy(bodies, it.row);
-            it.step += it.substep - it.now;
+            let given = weight_given(bodies, it.row).unwrap_or_else(|| energy(bodies, it.row) - it.now);
+            (it.substep, it.step) = (it.now + given, it.step + given);
         }
     }
 
@@ -103,11 +102,23 @@ fn bounded(bodies: &mut SolverBodies, row: SolverRow, most: f64) -> f64 {
     most
 }
 
+/// The energy that the impulse of forces gave to a body \[J\], if there is neither torque nor damping.
+fn weight_given(bodies: &SolverBodies, row: SolverRow) -> Option<f64> {
+    let ForceImpulse { linear, angular, kept_linear, kept_angular } = bodies.force_impulse[row.index()];
+    let BodyMotion { momentum, inverse_mass, .. } = bodies.motion[row.index()];
+    let is_weight = angular == Vec3::zero() && [kept_linear, kept_angular] == [1.0; 2];
+    let given = |linear: Vec3<f64>| linear.dot(wide(momentum) - linear * 0.5) * f64::from(inverse_mass);
+    is_weight.then(|| given(wide(linear)))
+}
+
+fn wide(v: Vec3<Real>) -> Vec3<f64> {
+    Vec3::new(f64::from(v.x), f64::from(v.y), f64::from(v.z))
+}
+
 /// The kinetic energy of a body \[J\].
 fn energy(bodies: &SolverBodies, row: SolverRow) -> f64 {
     let row = row.index();
     let motion = &bodies.motion[row];
-    let wide = |v: Vec3<Real>| Vec3::new(f64::from(v.x), f64::from(v.y), f64::from(v.z));
     let (p, inertia) = (wide(motion.momentum), &bodies.inertia[row]);
     let l = wide(bodies.pose[row].orientation.rotate_back(motion.angular_momentum));
     let inverse = wide(inertia.inverse_moments);
