@@ -68,7 +68,7 @@ impl EnergyBounds {
     /// To be called once forces have acted in a substep.
     pub(crate) fn after_forces(&mut self, bodies: &SolverBodies) {
         for it in &mut self.bodies {
-            let given = weight_given(bodies, it.row).unwrap_or_else(|| energy(bodies, it.row) - it.now);
+            let given = work_of_weight(bodies, it.row).unwrap_or_else(|| energy(bodies, it.row) - it.now);
             (it.substep, it.step) = (it.now + given, it.step + given);
         }
     }
@@ -102,8 +102,8 @@ fn bounded(bodies: &mut SolverBodies, row: SolverRow, most: f64) -> f64 {
     most
 }
 
-/// The energy that the impulse of forces gave to a body \[J\], if there is neither torque nor damping.
-fn weight_given(bodies: &SolverBodies, row: SolverRow) -> Option<f64> {
+/// The energy that forces gave to a body \[J\], if there is neither torque nor damping.
+fn work_of_weight(bodies: &SolverBodies, row: SolverRow) -> Option<f64> {
     let ForceImpulse { linear, angular, kept_linear, kept_angular } = bodies.force_impulse[row.index()];
     let BodyMotion { momentum, inverse_mass, .. } = bodies.motion[row.index()];
     let is_weight = angular == Vec3::zero() && [kept_linear, kept_angular] == [1.0; 2];
