@@ -24,8 +24,13 @@ pub fn ground(world: &mut World, material: Material, orientation: Quat) -> Entit
 
 /// A fixed cube with its top at height zero below the origin, by half its edges \[m\].
 pub fn cube_below(world: &mut World, half: f64, material: Material) {
-    let body = RigidBody::new(Shape::Point).fixed().position(vec3([0.0, -half, 0.0].into()));
-    spawn(world, body, surfaced(collider(&cube(half)), material));
+    fixed_box(world, [half; 3], (vec3([0.0, -half, 0.0].into()), Quat::IDENTITY), material);
+}
+
+/// A fixed box with half its edges \[m\], its middle and how it is turned.
+pub fn fixed_box(world: &mut World, half: [f64; 3], (middle, turned): (Vec3, Quat), material: Material) {
+    let body = RigidBody::new(Shape::Point).fixed().position(middle).orientation(turned);
+    spawn(world, body, surfaced(collider(&Shape::cuboid(half)), material));
 }
 
 /// Infinite ground or, as often, such a cube; returns whether it is the ground.

@@ -11,16 +11,10 @@ use hecs::{Entity, World};
 use tumble::Material;
 use tumble::math::{Quat, Vec3};
 use tumble::prelude::*;
-use tumble_tests::touching::{collider, pose, spawn, surfaced};
+use tumble_tests::touching::{collider, fixed_box, pose, spawn, surfaced};
 use tumble_tests::{Draw, cases, real};
 
 const GRAVITY: f64 = 9.81;
-
-/// A fixed box with this middle.
-fn spawn_block(world: &mut World, half: [f64; 3], middle: Vec3, material: Material) {
-    let block = RigidBody::new(Shape::Point).fixed().position(middle);
-    spawn(world, block, surfaced(collider(&Shape::cuboid(half)), material));
-}
 
 fn spawn_plank(world: &mut World, half: [f64; 3], body: impl Fn(RigidBody) -> RigidBody, material: Material) -> Entity {
     let shape = Shape::cuboid(half);
@@ -43,10 +37,10 @@ fn planks_that_slide_down_gain_no_energy() {
         let friction = if draw.often(0.5) { 0.0 } else { draw.between(0.0, 0.6) };
         let material = Material::new(real(friction), 0.0);
         let mut world = World::new();
-        spawn_block(&mut world, [3.0 * size, size, 3.0 * size], Vec3::NEG_Y * real(size), material);
+        fixed_box(&mut world, [3.0 * size, size, 3.0 * size], (Vec3::NEG_Y * real(size), Quat::IDENTITY), material);
         if has_wall {
             let middle = Vec3::new(real(-size), real(3.0 * size), 0.0);
-            spawn_block(&mut world, [size, 3.0 * size, 3.0 * size], middle, material);
+            fixed_box(&mut world, [size, 3.0 * size, 3.0 * size], (middle, Quat::IDENTITY), material);
         }
         let (angle, half) = (draw.between(0.9, 1.4), 0.5 * size);
         let place = |along: f64, across: f64| real(half * along + thin * across);
@@ -85,7 +79,7 @@ fn planks_slide_over_an_edge_without_rising() {
         let dt = h * f64::from(substeps);
         let material = Material::new(0.0, 0.0);
         let mut world = World::new();
-        spawn_block(&mut world, [3.0 * size, size, 3.0 * size], Vec3::NEG_Y * real(size), material);
+        fixed_box(&mut world, [3.0 * size, size, 3.0 * size], (Vec3::NEG_Y * real(size), Quat::IDENTITY), material);
         let speed = size * draw.between(0.05, 0.5) / dt;
         let turned = Quat::from_rotation_y(real(draw.between(-0.7, 0.7)));
         let at = Vec3::new(real(1.5 * size), real(thin), 0.0);

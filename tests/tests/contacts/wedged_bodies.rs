@@ -4,14 +4,14 @@
 //!
 //! Why: faces that meet at a sharp angle push a body out of both, and each takes up what the other
 //! gives. Passes over the two do not end, and what they leave of the speed of a push is several
-//! times as much along the middle: a coin left a chute eight times as high as it came, with 64
-//! substeps.
+//! times as much along the middle: a coin that came into a groove at 4.2 m/s left it at 8.8 m/s,
+//! with 64 substeps.
 
 use hecs::World;
 use tumble::Material;
 use tumble::math::{Quat, Vec3};
 use tumble::prelude::*;
-use tumble_tests::touching::{collider, spawn, surfaced};
+use tumble_tests::touching::{collider, fixed_box, spawn, surfaced};
 use tumble_tests::{Draw, cases, quat, real};
 
 const GRAVITY: f64 = 9.81;
@@ -46,8 +46,7 @@ fn what_is_wedged_gains_no_energy() {
         for side in [-1.0, 1.0] {
             let turned = Quat::from_rotation_z(real(side * (0.5 * std::f64::consts::PI - half_angle)));
             let middle = turned * Vec3::new(real(5.0 * side * size), real(-size), 0.0);
-            let block = RigidBody::new(Shape::Point).fixed().position(middle).orientation(turned);
-            spawn(&mut world, block, surfaced(collider(&Shape::cuboid([5.0 * size, size, 5.0 * size])), material));
+            fixed_box(&mut world, [5.0 * size, size, 5.0 * size], (middle, turned), material);
         }
         let shape = shapes(size)[(case / 3 % 7) as usize].clone();
         let height = 1.5 * size / half_angle.sin() + 0.6 * size;

@@ -92,7 +92,9 @@ fn is_still(bodies: &SolverBodies, row: SolverRow, first_non_dynamic: usize) -> 
 /// Slows a body that has more than this kinetic energy \[J\]; returns what it has then.
 fn bounded(bodies: &mut SolverBodies, row: SolverRow, most: f64) -> f64 {
     let energy = energy(bodies, row);
-    if energy <= most + ROUNDING * energy || !energy.is_finite() {
+    // Of what is not finite nothing is more.
+    let is_more = energy > most + ROUNDING * energy;
+    if !is_more {
         return energy;
     }
     let most = most.max(0.0);

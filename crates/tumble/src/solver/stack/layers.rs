@@ -27,7 +27,7 @@ pub(super) struct Layers {
 }
 
 /// What a layer rests on.
-#[derive(Clone, Copy, Default)]
+#[derive(Clone, Copy)]
 struct Joint {
     /// The sum of `W H / k` over the joints of layers from the top.
     lean: Real,
@@ -36,9 +36,6 @@ struct Joint {
     moment: Real,
     /// From the centre of the body with the lowest slot.
     base: Base,
-    on_face: bool,
-    /// Least of its contacts \[m\].
-    margin: Real,
 }
 
 /// The bodies of a world and how they rest on each other.
@@ -70,7 +67,7 @@ impl Pile<'_> {
     /// How a body resists tilting as much as all that it rests on [N m]: what is lifted or sinks in
     /// is as far from it as what it rests on.
     fn resistance(&self, slot: Slot) -> Real {
-        let mut base = Base::default();
+        let mut base = Base::NONE;
         for (support, lower) in self.supports_of(slot).filter(|(_, lower)| self.is_dynamic(*lower)) {
             base.add(&Base::at(self.way(slot, lower).0, support.signed_stiffness.abs()));
         }
@@ -114,10 +111,10 @@ impl Layers {
 
     /// Sums `W H / k` over layers, from the loads that bodies are under: weight, and moment about
     /// height zero.
-    pub(super) fn sum_leans(&mut self, pile: &Pile<'_>, min_spread: Real, load: impl Fn(Slot) -> [Real; 2]) {
+    pub(super) fn sum_leans(&mut self, pile: &Pile<'_>, load: impl Fn(Slot) -> [Real; 2]) {
         let Self { roots, order, is_even, joints, .. } = self;
         joints.clear();
-        joints.resize(pile.bodies.len(), Joint { margin: Real::INFINITY, ..Joint::default() });
+        joints.resize(pile.bodies.len(), Joint { lean: 0.0, weight: 0.0, moment: 0.0, base: Base::NONE });
         for slot in pile.order.slots() {
             let root = roots[slot.index()];
             let (aside, up) = pile.way(root, *slot);
@@ -125,16 +122,14 @@ impl Layers {
             (joint.weight, joint.moment) = (joint.weight + weight, joint.moment + moment);
             for (support, _) in pile.supports_of(*slot) {
                 joint.base.add(&Base::of(support).moved(aside, up));
-                joint.on_face |= support.signed_margin > 0.0;
-                joint.margin = joint.margin.min(support.signed_margin.abs());
             }
         }
         for root in order.slots_before_rings() {
             let joint = &mut joints[root.index()];
             if is_even[root.index()] && joint.base.stiffness > 0.0 {
                 let height = pile.bodies[root.index()].center.dot(pile.up);
-                let lever = joint.moment - joint.weight * (height + joint.base.height / joint.base.stiffness);
-                joint.lean += joint.base.lean(joint.on_face, lever, min_spread * joint.margin);
+                let lever = joint.base.lever([joint.weight, joint.moment], height);
+                joint.lean += joint.base.lean(lever);
             }
             let lean = joint.lean;
             for (_, lower) in order.supports_of(*root) {

@@ -69,9 +69,6 @@ const STIFFNESS: Real = 2.5;
 /// How deep \[margins\] a body in a stack may be pressed in by its load: a tenth of half its
 /// thickness.
 const MAX_DEPTH: Real = 5.0;
-/// Root mean square distance from the middle \[margins\] of what a body rests on, below which that
-/// is an edge or a corner and not a face.
-const MIN_SPREAD: Real = 8.0;
 /// Of the moment at which bodies of a layer would tilt with each other, the part under which they
 /// do not shake.
 const INTERLOCK: Real = 0.05;
@@ -139,7 +136,7 @@ impl Stacks {
             let Load { weight, moment, .. } = loads[slot.index()];
             [weight, moment]
         };
-        layers.sum_leans(&Pile { bodies, supports, order, up, sides }, MIN_SPREAD, of_body);
+        layers.sum_leans(&Pile { bodies, supports, order, up, sides }, of_body);
         let mut most = 0.0;
         for (slot, lean) in layers.leans() {
             let need = &mut loads[slot.index()].need;
@@ -196,24 +193,22 @@ impl Stacks {
             let StackBody { center, inverse_mass, .. } = pile.bodies[slot.index()];
             let height = center.dot(up);
             let load = &mut loads[slot.index()];
-            let (mut base, mut on_face, mut margin) = (Base::default(), false, Real::INFINITY);
+            let mut base = Base::NONE;
             let mut is_stacked = load.weight > 0.0;
             for (support, lower) in pile.supports_of(slot) {
                 base.add(&Base::of(support));
-                on_face |= support.signed_margin > 0.0;
                 is_stacked |= pile.is_dynamic(lower);
-                margin = margin.min(support.signed_margin.abs());
             }
             let own = g / inverse_mass;
             load.weight += own;
             load.moment += own * height;
-            let lever = load.moment - load.weight * (height + base.height / base.stiffness);
+            let lever = base.lever([load.weight, load.moment], height);
             let own_lever = (lever - load.borne).max(0.0);
             let shear = own_lever / (INTERLOCK * resistances[slot.index()]);
             let is_tied = shear <= load.as_column.max(1.0);
             load.resisted += if is_tied { own_lever } else { 0.0 };
-            load.lean += base.lean(on_face, lever - load.resisted, MIN_SPREAD * margin);
-            let depth = if is_stacked { load.weight / (base.stiffness * margin) } else { 0.0 };
+            load.lean += base.lean(lever - load.resisted);
+            let depth = if is_stacked { load.weight / (base.stiffness * base.margin) } else { 0.0 };
             load.need = needed(load.lean).max(depth / MAX_DEPTH).max(if is_tied { shear } else { 0.0 });
             most = load.need.max(most);
             let Load { weight, moment, resisted, lean, .. } = *load;

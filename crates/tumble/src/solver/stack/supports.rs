@@ -37,46 +37,58 @@ octet! {
     }
 }
 
-/// The support of a body: sums over points by their stiffness [N/m].
-#[derive(Clone, Copy, Default)]
+/// The support of a body or of several: sums over points by their stiffness [N/m].
+#[derive(Clone, Copy)]
 pub(super) struct Base {
     pub(super) stiffness: Real,
     /// Of horizontal places from the upper body's centre of mass, of their squares and product, and
     /// of heights.
     first: [Real; 2],
     second: [Real; 3],
-    pub(super) height: Real,
+    height: Real,
+    /// Whether a contact of three points or more bears.
+    on_face: bool,
+    /// The least margin of its contacts \[m\].
+    pub(super) margin: Real,
 }
 
 /// Least vertical part of the normal of a contact that bears.
 const MIN_SLOPE: f64 = 0.5;
 /// A body that is deeper \[margins\] was shot in and does not rest: twice half its thickness.
 const DEEP: f64 = 100.0;
+/// Root mean square distance from the middle \[margins\] of what a body rests on, below which that
+/// is an edge or a corner and not a face.
+const MIN_SPREAD: Real = 8.0;
 
 impl Base {
-    pub(super) fn of(&Support { signed_stiffness, first, second, height, .. }: &Support) -> Self {
-        Self { stiffness: signed_stiffness.abs(), first, second, height }
+    pub(super) const NONE: Self =
+        Self { stiffness: 0.0, first: [0.0; 2], second: [0.0; 3], height: 0.0, on_face: false, margin: Real::INFINITY };
+
+    pub(super) fn of(&Support { signed_stiffness, first, second, height, signed_margin }: &Support) -> Self {
+        let (stiffness, on_face, margin) = (signed_stiffness.abs(), signed_margin > 0.0, signed_margin.abs());
+        Self { stiffness, first, second, height, on_face, margin }
     }
 
     /// One spring at a horizontal place, and at no height.
     pub(super) fn at([x, y]: [Real; 2], stiffness: Real) -> Self {
         let (first, second) =
             ([x * stiffness, y * stiffness], [x * x * stiffness, y * y * stiffness, x * y * stiffness]);
-        Self { stiffness, first, second, height: 0.0 }
+        Self { stiffness, first, second, ..Self::NONE }
     }
 
     pub(super) fn add(&mut self, other: &Self) {
         self.stiffness += other.stiffness;
         self.height += other.height;
+        self.on_face |= other.on_face;
+        self.margin = self.margin.min(other.margin);
         self.first.iter_mut().zip(other.first).for_each(|(sum, it)| *sum += it);
         self.second.iter_mut().zip(other.second).for_each(|(sum, it)| *sum += it);
     }
 
     /// The same from a place which this horizontal vector and height lead back from.
     pub(super) fn moved(&self, [dx, dy]: [Real; 2], up: Real) -> Self {
-        let Self { stiffness, first: [x, y], second: [xx, yy, xy], height } = *self;
+        let Self { stiffness, first: [x, y], second: [xx, yy, xy], height, .. } = *self;
         Self {
-            stiffness,
             first: [x + dx * stiffness, y + dy * stiffness],
             second: [
                 xx + dx * (2.0 * x + dx * stiffness),
@@ -84,6 +96,7 @@ impl Base {
                 xy + dx * y + dy * (x + dx * stiffness),
             ],
             height: height + up * stiffness,
+            ..*self
         }
     }
 
@@ -95,10 +108,16 @@ impl Base {
         mean - (half * half + xy * xy).sqrt()
     }
 
-    /// `W H / k` for a lever `W H` [N m], on points with a spread of at least \[m\].
-    pub(super) fn lean(&self, on_face: bool, lever: Real, spread: Real) -> Real {
-        let least = self.least();
-        if on_face && lever > 0.0 && least > spread * spread * self.stiffness { lever / least } else { 0.0 }
+    /// The moment about this support [N m] of a weight \[N\] with its moment about height zero;
+    /// the body's height is in \[m\].
+    pub(super) fn lever(&self, [weight, moment]: [Real; 2], height: Real) -> Real {
+        moment - weight * (height + self.height / self.stiffness)
+    }
+
+    /// `W H / k` for a lever `W H` [N m].
+    pub(super) fn lean(&self, lever: Real) -> Real {
+        let (least, spread) = (self.least(), MIN_SPREAD * self.margin);
+        if self.on_face && lever > 0.0 && least > spread * spread * self.stiffness { lever / least } else { 0.0 }
     }
 }
 
