@@ -215,6 +215,34 @@ impl<R: Scalar> ColliderShape<R> {
         }
     }
 
+    /// Whether it stays where it is when it turns about its y axis.
+    ///
+    /// ```
+    /// use tumble_collide::ColliderShape;
+    /// use tumble_math::lane::Vec3;
+    ///
+    /// let ellipsoid = |x: f64| ColliderShape::Ellipsoid { radii: Vec3::new(x, 2.0, 1.0) };
+    /// assert!(ColliderShape::Cone { radius: 0.5, half_height: 1.0 }.is_axially_symmetric());
+    /// assert!(ellipsoid(1.0).is_axially_symmetric() && !ellipsoid(1.5).is_axially_symmetric());
+    /// ```
+    pub fn is_axially_symmetric(&self) -> bool {
+        match self {
+            Self::Sphere { .. }
+            | Self::Capsule { .. }
+            | Self::Cylinder { .. }
+            | Self::Cone { .. }
+            | Self::Frustum { .. }
+            | Self::TaperedCapsule { .. } => true,
+            Self::Ellipsoid { radii } => radii.x == radii.z,
+            Self::Cuboid { .. }
+            | Self::Hull(_)
+            | Self::Mesh(_)
+            | Self::HeightField(_)
+            | Self::Compound(_)
+            | Self::HalfSpace => false,
+        }
+    }
+
     /// Whether a part that [`contact_manifolds`](crate::contact_manifolds) names is a flat piece of
     /// a surface, and not a side or corner of its triangles. Other shapes have no such parts, and
     /// all of theirs count as flat.

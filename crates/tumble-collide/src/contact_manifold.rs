@@ -1,5 +1,7 @@
 //! Contact manifolds of any two shapes: dispatch on shape types, and pairs of compound parts.
 
+use tumble_math::lane::Vec3;
+
 use crate::capsule::{Rod, capsule_and_capsule, capsule_and_sphere, cuboid_and_capsule};
 use crate::collider_shape::{ColliderShape, Isometry};
 use crate::convex_pair::convex_and_convex;
@@ -40,7 +42,7 @@ pub fn contact_manifold<R: Scalar>(
     margin: R,
 ) -> Manifold<R> {
     if !is_composed(first) && !is_composed(second) {
-        return single(first, first_at, second, second_at, margin);
+        return single([first, second], [first_at, second_at], margin, None);
     }
     let mut nearest: Option<(R, Manifold<R>)> = None;
     contact_manifolds(first, first_at, second, second_at, margin, &mut |_, manifold| {
@@ -51,6 +53,37 @@ pub fn contact_manifold<R: Scalar>(
         }
     });
     nearest.map_or(Manifold::none(), |(_, manifold)| manifold)
+}
+
+/// As [`contact_manifold`] of shapes that had the unit vector `normal` a moment ago, world frame:
+/// round ones that still have a common normal near it are found along that, even if by now there
+/// is a shorter way out.
+///
+/// ```
+/// use tumble_collide::{ColliderShape, Isometry, contact_manifold, contact_manifold_near};
+/// use tumble_math::lane::Vec3;
+///
+/// let egg = ColliderShape::Ellipsoid { radii: Vec3::new(1.0, 2.0, 1.0_f64) };
+/// let (here, there) =
+///     (Isometry::at(Vec3::zero()), Isometry::at(Vec3::new(1.9, 1.0, 0.0)));
+/// let known = contact_manifold(&egg, &here, &egg, &there, 0.1);
+/// let moved = Isometry::at(Vec3::new(1.91, 1.0, 0.0));
+/// let again = contact_manifold_near(&egg, &here, &egg, &moved, 0.1, known.normal);
+/// let found = contact_manifold(&egg, &here, &egg, &moved, 0.1);
+/// assert!((again.points()[0].separation - found.points()[0].separation).abs() < 1e-12);
+/// ```
+pub fn contact_manifold_near<R: Scalar>(
+    first: &ColliderShape<R>,
+    first_at: &Isometry<R>,
+    second: &ColliderShape<R>,
+    second_at: &Isometry<R>,
+    margin: R,
+    normal: Vec3<R>,
+) -> Manifold<R> {
+    if is_composed(first) || is_composed(second) {
+        return contact_manifold(first, first_at, second, second_at, margin);
+    }
+    single([first, second], [first_at, second_at], margin, Some(normal))
 }
 
 /// As [`contact_manifold`] of two convex shapes that are no half-space, but with a point where they
@@ -76,7 +109,7 @@ pub fn nearest_manifold<R: Scalar>(
     margin: R,
 ) -> Manifold<R> {
     if first_at.is_somewhere() && second_at.is_somewhere() {
-        convex_and_convex(first, first_at, second, second_at, margin)
+        convex_and_convex([first, second], [first_at, second_at], margin, None)
     } else {
         Manifold::none()
     }
@@ -121,7 +154,7 @@ pub fn contact_manifolds<R: Scalar>(
     visit: &mut impl FnMut(u32, &Manifold<R>),
 ) {
     if !is_composed(first) && !is_composed(second) {
-        let manifold = single(first, first_at, second, second_at, margin);
+        let manifold = single([first, second], [first_at, second_at], margin, None);
         if !manifold.points().is_empty() {
             visit(0, &manifold);
         }
@@ -176,7 +209,7 @@ fn composed<R: Scalar>(
                 visit([a, b], &manifold.swapped());
             });
         }
-        _ => visit([0, 0], &single(first, first_at, second, second_at, margin)),
+        _ => visit([0, 0], &single([first, second], [first_at, second_at], margin, None)),
     }
 }
 
@@ -203,20 +236,21 @@ fn rank<R>(shape: &ColliderShape<R>) -> u32 {
     }
 }
 
-/// Two shapes of one part each, or a half-space and a surface.
+/// Two shapes of one part each, or a half-space and a surface; with the normal that they had a
+/// moment ago, if they had one.
 fn single<R: Scalar>(
-    first: &ColliderShape<R>,
-    first_at: &Isometry<R>,
-    second: &ColliderShape<R>,
-    second_at: &Isometry<R>,
+    [first, second]: [&ColliderShape<R>; 2],
+    [first_at, second_at]: [&Isometry<R>; 2],
     margin: R,
+    near: Option<Vec3<R>>,
 ) -> Manifold<R> {
     use ColliderShape::{Capsule, Cuboid, HalfSpace, Sphere};
     if !first_at.is_somewhere() || !second_at.is_somewhere() {
         return Manifold::none();
     }
     if rank(first) > rank(second) {
-        return single(second, second_at, first, first_at, margin).swapped();
+        let near = near.map(|normal| normal * R::splat(-1.0));
+        return single([second, first], [second_at, first_at], margin, near).swapped();
     }
     match (first, second) {
         (&Sphere { radius: a }, &Sphere { radius: b }) => {
@@ -247,6 +281,6 @@ fn single<R: Scalar>(
             half_space_and_capsule(first_at, radius, half_height, second_at, margin)
         }
         (HalfSpace, _) => half_space_and_other(first_at, second, second_at, margin),
-        _ => convex_and_convex(first, first_at, second, second_at, margin),
+        _ => convex_and_convex([first, second], [first_at, second_at], margin, near),
     }
 }

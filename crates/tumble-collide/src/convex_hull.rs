@@ -198,6 +198,17 @@ impl ConvexHull {
         self.face(d).map_or(d, |face| self.normals[face])
     }
 
+    /// The foot of a point on the face with this normal, if it is inside.
+    pub(crate) fn on_face(&self, normal: Vector, point: Vector) -> Option<Vector> {
+        let face = &self.faces[self.face(normal)?];
+        let corners = &self.corners[face.from..face.to];
+        let at = |corner: &u32| self.points[*corner as usize];
+        let mut sides = corners.iter().zip(corners.iter().cycle().skip(1));
+        let is_inside = sides.all(|(a, b)| normal.dot((at(b) - at(a)).cross(point - at(a))) >= 0.0);
+        let height = normal.dot(point - at(corners.first()?));
+        is_inside.then(|| point - normal * height)
+    }
+
     pub(crate) fn feature(&self, d: Vector, pressed: f64) -> Feature<f64> {
         let Some(place) = self.face(d) else { return Feature::point(self.support(d)) };
         let (face, normal) = (&self.faces[place], self.normals[place]);

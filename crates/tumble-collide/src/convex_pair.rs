@@ -1,9 +1,10 @@
 //! Two convex shapes of any kind: the direction in which they are furthest apart or overlap least,
 //! and the points where they are nearest along it.
 
-use tumble_math::lane::Quat;
+use tumble_math::lane::{Quat, Vec3};
 
 use crate::collider_shape::{ColliderShape, Isometry};
+use crate::common_normal::{CommonNormal, common_normal_again};
 use crate::epa::{Penetration, penetration, penetration_of_flat};
 use crate::face_clipping::FaceClipping;
 use crate::feature::Near;
@@ -49,6 +50,24 @@ pub(crate) fn approach(shapes: &Difference<'_>, limit: f64) -> Option<Approach> 
     };
     let is_finite = found.between < limit && found.normal.dot(found.normal) > 0.5;
     is_finite.then_some(found)
+}
+
+/// The same of shapes that had this unit normal a moment ago, in the frame of the first.
+fn approach_again(shapes: &Difference<'_>, near: Option<Vector>, limit: f64) -> Option<Approach> {
+    let again = near.filter(|_| shapes.is_curved()).and_then(|near| common_normal_again(shapes, near));
+    let again = again.filter(|found| found.separation > 0.0 || has_both(shapes, found));
+    match again {
+        Some(CommonNormal { normal, separation, on_first }) => {
+            (separation < limit).then_some(Approach { normal, between: separation, lead: 0.0, on_first })
+        }
+        None => approach(shapes, limit),
+    }
+}
+
+/// Whether the middle between nearest points is inside both shapes, which then overlap.
+fn has_both(shapes: &Difference<'_>, found: &CommonNormal) -> bool {
+    let middle = found.on_first + found.normal * (0.5 * found.separation);
+    shapes.first.contains(middle) && shapes.second.contains(shapes.turned_back(middle - shapes.position))
 }
 
 /// Shapes whose difference has no volume: a point in a triangle, or edges that cross.
@@ -115,18 +134,20 @@ pub(crate) fn manifold_of(shapes: &Difference<'_>, found: &Approach, layers: [f6
     face_clipping.manifold(&of_first, &of_second, nearest, lead, middles)
 }
 
-/// From the first to the second.
+/// From the first to the second; along the normal that they had a moment ago, world frame, if they
+/// have one near it.
 pub(crate) fn convex_and_convex<R: Scalar>(
-    first: &ColliderShape<R>,
-    first_at: &Isometry<R>,
-    second: &ColliderShape<R>,
-    second_at: &Isometry<R>,
+    [first, second]: [&ColliderShape<R>; 2],
+    [first_at, second_at]: [&Isometry<R>; 2],
     margin: R,
+    near: Option<Vec3<R>>,
 ) -> Manifold<R> {
     let found = Convex::of(first).zip(Convex::of(second)).and_then(|((first, layer_1), (second, layer_2))| {
-        let shapes = difference(first, &wide_placement(first_at), second, &wide_placement(second_at))?;
+        let at = wide_placement(first_at);
+        let shapes = difference(first, &at, second, &wide_placement(second_at))?;
         let (layers, margin) = ([layer_1, layer_2], margin.into());
-        let found = approach(&shapes, margin + layer_1 + layer_2)?;
+        let near = near.map(|normal| at.orientation.rotate_back(unit(wide(normal))));
+        let found = approach_again(&shapes, near, margin + layer_1 + layer_2)?;
         // What has a layer around it is round at its edges.
         let found = if layer_1 + layer_2 > 0.0 { found } else { with_faces_first(&shapes, &found) };
         Some(manifold_of(&shapes, &found, layers, margin))

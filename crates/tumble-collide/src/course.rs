@@ -6,7 +6,7 @@ use tumble_math::rotate_exactly;
 use crate::collider_shape::Isometry;
 use crate::convex_pair::wide_placement;
 use crate::scalar::Scalar;
-use crate::support_map::{Vector, wide};
+use crate::support_map::{Convex, Vector, wide};
 
 /// The most straight pieces of a course.
 const MAX_LEGS: usize = 4;
@@ -129,6 +129,22 @@ impl Course {
     /// The angle by which it turns in the interval, about its axis \[rad\].
     pub(crate) fn angular(&self) -> Vector {
         self.angular
+    }
+
+    /// How fast the shape can come further in a direction as it turns, of which no point is further
+    /// than `radius` \[m\] from what it turns about.
+    pub(crate) fn turning_rate(&self, shape: &Convex<'_>, radius: f64, direction: Vector) -> f64 {
+        let length = |v: Vector| v.dot(v).sqrt();
+        let turn = length(direction.cross(self.angular));
+        if turn == 0.0 || !shape.is_axially_symmetric() {
+            return turn * radius;
+        }
+        // Turning about its axis moves nothing of its outside; the axis stays at one angle to what
+        // it turns about.
+        let ([_, axis, _], apart) = (self.start.orientation.axes(), self.start.position - self.center);
+        let along = axis.dot(apart);
+        let (axis_turn, off_axis) = (length(axis.cross(self.angular)), length(apart - axis * along));
+        (turn * radius).min(turn * off_axis + axis_turn * (radius - length(apart) + along.abs()))
     }
 
     /// How far the shape's origin is from what it turns about \[m\].

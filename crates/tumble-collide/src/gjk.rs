@@ -5,6 +5,7 @@
 //! points of triangle and tetrahedron after C. Ericson, "Real-Time Collision Detection" (2005),
 //! 5.1.
 
+use crate::common_normal::{CommonNormal, common_normal, common_normal_again};
 use crate::minkowski::{Difference, Reached};
 use crate::segments::nearest_of_few;
 use crate::support_map::Vector;
@@ -36,6 +37,10 @@ const TOUCHING: f64 = 1e-10;
 /// The square of the distance is good to this part.
 const PRECISE: f64 = 1e-13;
 
+/// After this many points, and each time half as many again, round shapes are tried for a common
+/// normal.
+const POINTS_TRIED: usize = 3;
+
 /// Sine of the angle at which a corner of a tetrahedron is in the plane of the others.
 const FLAT: f64 = 1e-10;
 
@@ -48,13 +53,28 @@ pub(crate) fn nearest(shapes: &Difference<'_>, limit: f64) -> Nearest {
     }
 }
 
+/// The same of shapes that were nearest along a unit vector a moment ago, without a limit.
+pub(crate) fn nearest_again(shapes: &Difference<'_>, near: Option<Vector>) -> Nearest {
+    let again = near.filter(|_| shapes.is_curved()).and_then(|near| common_normal_again(shapes, near));
+    let reach = |v: Vector| v.dot(v).sqrt();
+    match again {
+        Some(CommonNormal { normal, separation, on_first })
+            if separation > TOUCHING * (reach(on_first) + reach(shapes.position)) =>
+        {
+            Nearest::Apart { between: normal * separation, on_first }
+        }
+        _ => nearest(shapes, f64::INFINITY),
+    }
+}
+
 /// The same for shapes of any kind.
 fn nearest_of_all(shapes: &Difference<'_>, limit: f64) -> Nearest {
     let start = shapes.first.middle() - shapes.place(shapes.second.middle());
     let mut v = if start.dot(start) > 0.0 { start } else { Vector::new(1.0, 0.0, 0.0) };
     let mut simplex = Simplex::none();
     let (mut square, mut largest) = (f64::INFINITY, 0.0);
-    for _ in 0..MAX_TURNS {
+    let mut next_try = if shapes.is_curved() { POINTS_TRIED } else { MAX_TURNS };
+    for turn in 0..MAX_TURNS {
         let reached = shapes.support(v * -1.0);
         let (w, length_squared) = (reached.point, v.dot(v));
         let along = v.dot(w);
@@ -78,6 +98,16 @@ fn nearest_of_all(shapes: &Difference<'_>, limit: f64) -> Nearest {
             break;
         }
         (v, square) = (next, now);
+        if turn + 1 >= next_try {
+            next_try += next_try / 2 + 1;
+            let near = v * (-1.0 / now.sqrt());
+            let found = common_normal(shapes, near, simplex.corners());
+            let apart = found.filter(|found| found.separation > TOUCHING * f64::sqrt(largest));
+            if let Some(CommonNormal { normal, separation, on_first }) = apart {
+                let is_far = separation > limit;
+                return if is_far { Nearest::Far } else { Nearest::Apart { between: normal * separation, on_first } };
+            }
+        }
     }
     Nearest::Apart { between: v * -1.0, on_first: simplex.on_first() }
 }
@@ -88,7 +118,7 @@ impl Simplex {
         Self { corners: [(nothing, 0.0); 4], len: 0 }
     }
 
-    pub(crate) fn corners(&self) -> impl Iterator<Item = Reached> {
+    pub(crate) fn corners(&self) -> impl Iterator<Item = Reached> + Clone {
         self.corners.into_iter().take(self.len).map(|(reached, _)| reached)
     }
 

@@ -35,6 +35,11 @@ impl Difference<'_> {
         self.place(self.second.support(self.turned_back(d)))
     }
 
+    /// Whether either is round somewhere.
+    pub(crate) fn is_curved(&self) -> bool {
+        self.first.is_curved() || self.second.is_curved()
+    }
+
     /// How far they are apart along a unit vector from the first to the second; negative where they
     /// overlap.
     pub(crate) fn separation(&self, normal: Vector) -> f64 {

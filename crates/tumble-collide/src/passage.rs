@@ -2,6 +2,8 @@
 
 use tumble_math::lane::Lane;
 
+use std::cell::Cell;
+
 use crate::aabb::Aabb;
 use crate::cast::{Gap, Moving, furthest_from_origin, starts};
 use crate::collider_shape::{ColliderShape, Isometry};
@@ -169,7 +171,7 @@ fn of_core<R: Scalar>(
             let radii = [courses[0].off_center() + (reach - layer).max(0.0), radius];
             let shapes = [convex, core.convex];
             let layers = layer + core.layer;
-            let moving = Moving { shapes, layers, courses, radii, start: starts(courses) };
+            let moving = Moving { shapes, layers, courses, radii, start: starts(courses), near: Cell::default() };
             end_at_shape(&moving, &core, layer)
         }
     }
@@ -254,6 +256,9 @@ fn smaller_frustum(Frustum { radii: [below, above], half_height }: Frustum, less
 
 /// At a convex shape with a layer.
 fn end_at_shape(moving: &Moving<'_>, core: &Core<'_>, layer: f64) -> End {
+    if moving.are_balls_passed([true, true], core.clearance, 0.0) {
+        return End::Free;
+    }
     let Some(begin) = moving.gap(0.0) else { return End::Free };
     if begin.distance <= 0.0 {
         return End::Touched;
@@ -298,8 +303,7 @@ fn end_at_plane(core: &Core<'_>, courses: [&Course; 2], radius: f64) -> End {
         if sweep > 0.0 {
             return sweep + of_body * radius + way.dot(way).sqrt();
         }
-        let across = normal.cross(courses[1].angular());
-        across.dot(across).sqrt() * radius - way.dot(normal)
+        courses[1].turning_rate(&core.convex, radius, normal) - way.dot(normal)
     };
     let least = core.clearance.min(0.5 * begin.distance);
     let Some((until, touched)) = advance(begin, least, courses, rate, gap) else { return End::Free };
@@ -347,7 +351,7 @@ fn end_at_surface(surface: &impl Surface, core: &Core<'_>, courses: [&Course; 2]
         if surface.normal(triangle).dot(middle - corners[0]) > 0.0 {
             let radii = [courses[0].off_center() + furthest_from_origin(corners), radius];
             let shapes = [Convex::Triangle(corners), core.convex];
-            let moving = Moving { shapes, layers: core.layer, courses, radii, start };
+            let moving = Moving { shapes, layers: core.layer, courses, radii, start, near: Cell::default() };
             end = end.first(end_at_shape(&moving, core, 0.0));
         }
         end.until()

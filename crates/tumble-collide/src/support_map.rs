@@ -149,6 +149,47 @@ impl<'a> Convex<'a> {
         matches!(self, Self::Cuboid { .. } | Self::Hull(_) | Self::Triangle(_))
     }
 
+    /// Whether it is round somewhere, without its layer.
+    pub(crate) fn is_curved(&self) -> bool {
+        matches!(self, Self::Frustum(_) | Self::Ellipsoid { .. } | Self::Tapered { .. })
+    }
+
+    /// Whether it stays where it is when it turns about its y axis.
+    pub(crate) fn is_axially_symmetric(&self) -> bool {
+        match self {
+            Self::Point | Self::Segment { .. } | Self::Frustum(_) | Self::Tapered { .. } => true,
+            Self::Ellipsoid { radii } => radii.x == radii.z,
+            Self::Cuboid { .. } | Self::Hull(_) | Self::SmallerHull(..) | Self::Triangle(_) => false,
+        }
+    }
+
+    /// Whether a point is inside; of what has no volume none is.
+    pub(crate) fn contains(&self, point: Vector) -> bool {
+        match *self {
+            Self::Cuboid { half } => point.x.abs() < half.x && point.y.abs() < half.y && point.z.abs() < half.z,
+            Self::Frustum(Frustum { radii: [below, above], half_height }) => {
+                let radius = 0.5 * (below + above + (above - below) * point.y / half_height);
+                point.y.abs() < half_height && point.x * point.x + point.z * point.z < radius * radius
+            }
+            Self::Ellipsoid { radii } => {
+                let square = |x: f64, radius: f64| (x / radius) * (x / radius);
+                square(point.x, radii.x) + square(point.y, radii.y) + square(point.z, radii.z) < 1.0
+            }
+            Self::Tapered { radii, half_height } => {
+                // Of the balls between both ends, that of which the surface is nearest.
+                let slope = (radii[0] - radii[1]) / (2.0 * half_height);
+                let around = (point.x * point.x + point.z * point.z).sqrt();
+                let flat = 1.0 - slope * slope;
+                let y = if flat > 0.0 { point.y - slope * around / flat.sqrt() } else { -slope.signum() * half_height };
+                let y = y.max(-half_height).min(half_height);
+                let (radius, up) = (0.5 * (radii[0] + radii[1]) - slope * y, point.y - y);
+                around * around + up * up < radius * radius
+            }
+            Self::Hull(hull) => hull.planes().all(|(normal, corner)| normal.dot(point - corner) < 0.0),
+            Self::Point | Self::Segment { .. } | Self::SmallerHull(..) | Self::Triangle(_) => false,
+        }
+    }
+
     /// A point inside, far from the surface.
     pub(crate) fn middle(&self) -> Vector {
         match *self {

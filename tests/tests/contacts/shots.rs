@@ -18,7 +18,7 @@ fn shots() -> u64 {
     std::env::var("TUMBLE_SHOTS").ok().and_then(|count| count.parse().ok()).unwrap_or_else(|| u64::from(cases(200)))
 }
 
-const KINDS: [&str; 6] = ["ball", "box", "rod", "can", "hull", "dumbbell"];
+const KINDS: [&str; 7] = ["ball", "box", "rod", "can", "top", "hull", "dumbbell"];
 
 fn shot(kind: &str, draw: &mut Draw) -> (Shape, Collider) {
     let size = draw.log_between(0.01, 0.3);
@@ -29,6 +29,11 @@ fn shot(kind: &str, draw: &mut Draw) -> (Shape, Collider) {
         "rod" if draw.often(0.5) => Shape::cuboid([0.05 * size, size, 0.05 * size]),
         "rod" => Shape::Capsule { radius: 0.05 * size, half_height: size },
         "can" => Shape::Cylinder { radius: a, half_height: b },
+        "top" => match draw.between(0.0, 3.0) as u32 {
+            0 => Shape::Cone { radius: a, half_height: b },
+            1 => Shape::TaperedCapsule { radius_bottom: a, radius_top: 0.3 * a, half_height: b },
+            _ => Shape::Ellipsoid { radii: DVec3::new(a, b, a) },
+        },
         "dumbbell" => {
             let part = |x: f64| tumble::Part::new(Shape::sphere(a), tumble::Amount::Mass(1.0)).at([x, 0.0, 0.0]);
             Shape::compound([part(-b), part(b)])
@@ -54,8 +59,11 @@ const SPINS: [f64; 2] = [0.1, 200.0];
 const FAST_SPINS: [f64; 2] = [500.0, 3000.0];
 
 fn body(shape: &Shape, spins: [f64; 2], draw: &mut Draw) -> RigidBody {
-    let spin = draw.direction() * draw.log_between(spins[0], spins[1]);
-    let body = RigidBody::new(shape.clone()).orientation(quat(draw.orientation())).angular_velocity(vec3(spin));
+    let turned = draw.orientation();
+    // Of many things, about their axis.
+    let about = if draw.often(0.3) { turned * DVec3::Y } else { draw.direction() };
+    let spin = about * draw.log_between(spins[0], spins[1]);
+    let body = RigidBody::new(shape.clone()).orientation(quat(turned)).angular_velocity(vec3(spin));
     if matches!(shape, Shape::Compound(_)) { body } else { body.mass(1.0) }
 }
 
@@ -223,7 +231,7 @@ fn is_one_of_several_out(draw: &mut Draw) -> bool {
     let speed = draw.log_between(1.0, 1000.0);
     let places = [-0.6, -0.2, 0.2, 0.6].map(|x| DVec3::new(x, draw.between(-0.6, 0.6), draw.between(-0.6, 0.6)));
     let all = places.map(|place| {
-        let kind = KINDS[draw.between(0.0, 6.0) as usize];
+        let kind = KINDS[draw.between(0.0, KINDS.len() as f64) as usize];
         let (shape, collider) = shot(kind, draw);
         let it = body(&shape, SPINS, draw).mass(draw.log_between(0.1, 10.0)).position(vec3(place));
         spawn(&mut world, it.linear_velocity(vec3(draw.direction() * speed)), surfaced(collider, surface))

@@ -173,7 +173,7 @@ impl AabbTiles<'_, '_> {
             margin: way.margin,
             half_thickness: turn.half_thickness,
             velocity,
-            motion: Motion { way: way.way, drop: way.drop, turn: turn.turn, radius: turn.radius },
+            motion: Motion { way: way.way, drop: way.drop, turn: turn.turn, axis_turn: None, radius: turn.radius },
         };
         let Vec3 { x, y, z } = update.shapes[i].half_extents;
         let extents = if is_ball { Vec3::new(x, 0.0, 0.0) } else { Vec3::new(x, y, z) };

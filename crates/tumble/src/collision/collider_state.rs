@@ -74,6 +74,9 @@ pub(crate) struct Motion {
     pub(crate) drop: Vec3<Real>,
     /// By which angle it turns, about this direction \[rad\]; zero where that is negligible.
     pub(crate) turn: Vec3<Real>,
+    /// By which angle its axis turns \[rad\], of what is symmetric about one through its centre of
+    /// mass: turning about that moves nothing of its outside.
+    pub(crate) axis_turn: Option<Real>,
     /// How far from its centre of mass its collider reaches \[m\].
     pub(crate) radius: Real,
 }
@@ -81,7 +84,7 @@ pub(crate) struct Motion {
 impl Motion {
     pub(crate) const NONE: Self = {
         let zero = Vec3 { x: 0.0, y: 0.0, z: 0.0 };
-        Self { way: zero, drop: zero, turn: zero, radius: 0.0 }
+        Self { way: zero, drop: zero, turn: zero, axis_turn: None, radius: 0.0 }
     };
 }
 

@@ -68,11 +68,14 @@ pub(crate) fn least_margin(states: [&ColliderState; 2]) -> Real {
 /// passed fast.
 fn is_doubtful(contact: &ContactRecord, gap: Real, states: [&ColliderState; 2], fall: Real) -> bool {
     let normal = contact.geometry.normal;
-    let [Motion { way: a, turn: s, radius: r, .. }, Motion { way: b, turn: t, radius: q, .. }] =
-        states.map(|state| state.motion);
+    let [Motion { way: a, turn: s, .. }, Motion { way: b, turn: t, .. }] = states.map(|state| state.motion);
     let way = b - a;
-    let turned = [normal.cross(s), normal.cross(t)].map(length);
-    let swing = [if turned[0] > 0.0 { turned[0] * r } else { 0.0 }, if turned[1] > 0.0 { turned[1] * q } else { 0.0 }];
+    let swing = states.map(|state| {
+        let Motion { turn, axis_turn, radius, .. } = state.motion;
+        let turned = length(normal.cross(turn));
+        let turned = axis_turn.map_or(turned, |axis_turn| axis_turn.min(turned));
+        if turned > 0.0 { turned * radius } else { 0.0 }
+    });
     let (margin, least) = (contact.margin(), least_margin(states));
     // The plane turns with the bodies.
     let tilt = (length(s) + length(t)) * (gap + length(way));

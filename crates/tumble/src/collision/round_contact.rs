@@ -1,6 +1,6 @@
 //! Contacts of round shapes, found again where their bodies have moved to within a step.
 
-use tumble_collide::{ColliderShape, Isometry, Manifold, contact_manifolds};
+use tumble_collide::{ColliderShape, Isometry, Manifold, contact_manifold_near, contact_manifolds};
 use tumble_math::lane::Vec3;
 
 use crate::collision::collider_state::ColliderState;
@@ -23,6 +23,8 @@ pub(crate) struct RoundContact {
     /// Of its bodies, if neither shape is a part of a compound.
     whole: Option<[Slot; 2]>,
     geometries: [ColliderShape<Real>; 2],
+    /// As it was found, of two shapes of one part.
+    normal: Option<Vec3<Real>>,
     placements: [Isometry<Real>; 2],
     /// Whether the first body is not dynamic.
     pub(crate) has_non_dynamic: bool,
@@ -81,6 +83,7 @@ impl RoundContact {
             part,
             whole: inner.iter().all(Option::is_none).then_some(slots),
             geometries: [first.clone(), second.clone()],
+            normal: [first, second].iter().all(|shape| shape.parts() == 1).then_some(contact.geometry.normal),
             placements,
             has_non_dynamic,
             apart,
@@ -126,6 +129,13 @@ impl RoundContact {
         let first_at = Isometry { position: positions[0], orientation: p * a.orientation };
         let second_at = Isometry { position: positions[1], orientation: q * b.orientation };
         let [one, other] = &self.geometries;
+        if let Some(normal) = self.normal {
+            let manifold = contact_manifold_near(one, &first_at, other, &second_at, self.margin, normal);
+            if !manifold.points().is_empty() {
+                found.push((0, manifold));
+            }
+            return true;
+        }
         contact_manifolds(one, &first_at, other, &second_at, self.margin, &mut |part, manifold| {
             found.push((part, *manifold));
         });

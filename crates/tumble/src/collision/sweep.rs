@@ -13,6 +13,7 @@ use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::collider::Collider;
 use crate::collision::contact::ContactRecord;
+use crate::collision::contact_ways::length;
 use crate::collision::lost_momentum::LostMomentum;
 use crate::collision::pipeline::CollisionPipeline;
 use crate::collision::strike::{Struck, strike};
@@ -191,12 +192,20 @@ impl CollisionPipeline {
             return false;
         }
         let Some((collider, _)) = self.colliders.get(slot) else { return false };
-        let turned = (turned_end(pose, collider).conjugate() * state.placement.orientation).vector();
-        // Twice the sine of half the angle, about what a rotation moves points by; most of all what
-        // may have turned by more than half.
-        let may_be_around = state.motion.turn.dot(state.motion.turn) > HALF_TURN * HALF_TURN;
-        let turned = if may_be_around { 1.0 } else { turned.dot(turned) };
-        4.0 * turned * arm * arm > most * most
+        let end = turned_end(pose, collider);
+        let (turn, axis_turn) = (state.motion.turn.dot(state.motion.turn).sqrt(), state.motion.axis_turn);
+        // How far a point at a distance of one goes at most, about; most of all of what may have
+        // turned by more than half.
+        let gone = match axis_turn {
+            Some(axis_turn) if turn > HALF_TURN => 2.0 * axis_turn / turn,
+            None if turn > HALF_TURN => 2.0,
+            Some(_) => {
+                let [[_, before, _], [_, after, _]] = [state.placement.orientation, end].map(|it| it.axes());
+                length(after - before)
+            }
+            None => 2.0 * length((end.conjugate() * state.placement.orientation).vector()),
+        };
+        gone * arm > most
     }
 
     /// Lists each fast body with what is near its way, where one of the two can be put back.

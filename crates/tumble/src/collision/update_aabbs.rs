@@ -1,6 +1,6 @@
 //! Where bodies with colliders are, as contacts are found with.
 
-use tumble_collide::{Isometry, Proxy};
+use tumble_collide::{ColliderShape, Isometry, Proxy};
 use tumble_math::lane::{Quat, Vec3};
 
 use crate::collision::aabb_tiles::{CenteredShape, update_in_tiles};
@@ -182,6 +182,15 @@ impl AabbUpdate<'_> {
             }
         };
         motion.way = Vec3::from(linear) * ahead_of;
+        let [_, axis, _] = placement.orientation.axes();
+        let off_axis = from_center - axis * axis.dot(from_center);
+        // Balls are as tiles have them.
+        let is_ball = matches!(geometry, ColliderShape::Sphere { .. });
+        let has_axis = geometry.is_axially_symmetric() && !is_ball;
+        if has_axis && off_axis.dot(off_axis) <= (OFF_AXIS * radius) * (OFF_AXIS * radius) {
+            let turn = axis.cross(motion.turn);
+            motion.axis_turn = Some(turn.dot(turn).sqrt());
+        }
         let fallen = Vec3::from(drop) * if is_dynamic { scale_of(bodies.gravity_scale, i) } else { 0.0 };
         motion.drop = drop_of(fallen, ccd_thickness);
         let fall = motion.drop.dot(motion.drop).sqrt();
@@ -228,6 +237,9 @@ const THIN: Real = 5.0;
 /// A body whose furthest points turn by less than this part of its margin does not turn, for
 /// speculative contacts.
 const TURNED: Real = 0.25;
+
+/// A centre of mass is on an axis that is nearer than this part of the radius.
+const OFF_AXIS: Real = 1e-5;
 
 /// Whether a body stands and is where contacts can be found.
 fn is_somewhere(pose: &Pose, places: [Vec3<Real>; 2]) -> bool {
