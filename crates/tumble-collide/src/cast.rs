@@ -331,7 +331,7 @@ impl<'a> Moving<'a> {
             }
             let way = self.way(moment);
             let (rate, most) = (self.opening_rate(&gap, moment), way.dot(way).sqrt() + self.turning_rate(gap.normal));
-            // Beside a face nothing changes, and its middle is further from its edges than its ends.
+            // Beside a face nothing changes, and the middle is furthest from its edges.
             if rate.abs() <= STEADY * most {
                 (low, high) = (moment, moment);
                 break;

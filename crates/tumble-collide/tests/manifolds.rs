@@ -12,6 +12,9 @@ const MARGIN: f64 = 0.02;
 /// Edges give way to faces that separate nearly as well, and faces of the second shape to those of
 /// the first.
 const HYSTERESIS: f64 = 5e-4;
+/// Part of the overlap of edges by which it is shorter along a face that is taken for them, at
+/// most: one minus the cosine of five degrees.
+const FLAT: f64 = 0.004;
 const ROUNDING: f64 = 1e-12;
 
 fn vector(range: std::ops::Range<f64>) -> impl Strategy<Value = Vec3<f64>> {
@@ -116,7 +119,7 @@ proptest! {
     fn either_may_come_first(a in shape(), at in placement(), b in shape(), bt in placement()) {
         let (forth, back) = (contact_manifold(&a, &at, &b, &bt, MARGIN), contact_manifold(&b, &bt, &a, &at, MARGIN));
         match (least(&forth), least(&back)) {
-            (Some(x), Some(y)) => prop_assert!((x - y).abs() <= HYSTERESIS, "{x} and {y}"),
+            (Some(x), Some(y)) => prop_assert!((x - y).abs() <= HYSTERESIS + FLAT * x.abs(), "{x} and {y}"),
             (x, y) => prop_assert!(x.or(y).is_none_or(|apart| apart > MARGIN - HYSTERESIS), "{x:?} and {y:?}"),
         }
     }
@@ -132,7 +135,7 @@ proptest! {
         match (least(&here), least(&there)) {
             // Where two axes are as good as each other, rounding may choose, within what one is
             // given over the other.
-            (Some(x), Some(y)) => prop_assert!((x - y).abs() <= HYSTERESIS, "{x} and {y}"),
+            (Some(x), Some(y)) => prop_assert!((x - y).abs() <= HYSTERESIS + FLAT * x.abs(), "{x} and {y}"),
             (x, y) => prop_assert!(x.or(y).is_none_or(|apart| apart > MARGIN - HYSTERESIS), "{x:?} and {y:?}"),
         }
     }

@@ -13,6 +13,7 @@ mod contact_shapes;
 mod contact_snapshots;
 mod contact_stacks;
 mod contacts;
+mod crossed_bars;
 mod crowds;
 mod despawned;
 mod finer_substeps;

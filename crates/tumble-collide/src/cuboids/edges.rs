@@ -123,6 +123,19 @@ fn clamp<L: Lane>(number: L, most: L) -> L {
 const FIRST_FEATURE: f64 = 65536.0;
 
 impl<L: Lane> ManifoldLanes<L> {
+    /// The least separation of its points.
+    #[inline(always)]
+    pub(super) fn deepest(&self) -> L {
+        let mut least = L::splat(FAR);
+        let mut j = 0;
+        while j < self.separations.len() {
+            let there = L::splat(j as f64).lt(self.count);
+            least = L::select(there, least.min(self.separations[j]), least);
+            j += 1;
+        }
+        least
+    }
+
     /// This where the mask holds, else the other.
     #[inline(always)]
     pub(super) fn or(self, mask: L::Mask, other: Self) -> Self {

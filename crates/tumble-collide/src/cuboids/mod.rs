@@ -21,8 +21,8 @@ const EDGE_LEAD: f64 = 5e-4;
 /// But by no more than this part of the margin.
 const LEAD_SHARE: f64 = 0.025;
 /// Nor is an edge axis taken at a greater cosine of the angle to the normal of the best face, about
-/// five degrees, up to a margin deep: there edges cross in the plane of the face, which has more
-/// points to hold with. Deeper, the face may be another one where the boxes change places.
+/// five degrees: there edges cross in the plane of the face, which has more points to hold with.
+/// More than a margin deep, only where one of these is as deep as the edges but for that cosine.
 const FLAT: f64 = 0.996;
 /// And a face of the second box than one of the first.
 const SECOND_LEAD: f64 = 2.5e-4;
@@ -206,7 +206,9 @@ pub fn cuboid_pair<L: Lane>(
         let crossing = edges::contact(&pair, edge_code, edge_gap);
         let (zero, one) = (L::splat(0.0), L::splat(1.0));
         let is_flat = L::select(L::splat(FLAT).lt(crossing.normal.dot(manifold.normal)), one, zero);
-        let is_flat = L::select((zero - margin).lt(edge_gap), is_flat, zero);
+        let off = (manifold.deepest() - edge_gap).abs();
+        let as_deep = L::select(off.lt(L::splat(1.0 - FLAT) * edge_gap.abs()), is_flat, zero);
+        let is_flat = L::select((zero - margin).lt(edge_gap), is_flat, as_deep);
         let by_edges = (is_flat * manifold.count.min(one)).lt(L::select(by_edges, one, zero));
         manifold = crossing.or(by_edges, manifold);
     }

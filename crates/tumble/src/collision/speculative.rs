@@ -110,8 +110,9 @@ impl CollisionPipeline {
             }
             way == Some(&Way::Plain)
         });
+        let plain = contacts.len();
         for encounter in &encounters {
-            view.add(encounter, &travellers, &before, contacts);
+            view.add(encounter, &travellers, (&before, plain), contacts);
         }
         if !encounters.is_empty() {
             contacts.sort_by_key(ContactRecord::key);
@@ -365,12 +366,13 @@ impl View<'_> {
         });
     }
 
-    /// Adds the contacts of an encounter; those there were `before` stay where they hold as well.
+    /// Adds the contacts of an encounter; those there were `before` stay where they hold as well,
+    /// and so do the first contacts, as many as are `plain`.
     fn add(
         &self,
         encounter: &Encounter<'_>,
         travellers: &[Traveller],
-        before: &[ContactRecord],
+        (before, plain): (&[ContactRecord], usize),
         contacts: &mut Vec<ContactRecord>,
     ) {
         let Encounter { slots, kind, shapes_of_pair, .. } = encounter;
@@ -421,7 +423,9 @@ impl View<'_> {
                     let of_first = (encounter.numbers[0] + on_first).wrapping_mul(parts);
                     let part = of_first.wrapping_add(encounter.numbers[1] + on_second);
                     let is_there = |known: &ContactRecord| known.slots == *slots && known.part == part;
-                    if !a.parts_touch(b, part) || contacts[from..].iter().any(is_there) {
+                    let key = ContactKey::new(*kind, *slots, part);
+                    let stays = contacts[..plain].binary_search_by_key(&key, ContactRecord::key).is_ok();
+                    if stays || !a.parts_touch(b, part) || contacts[from..].iter().any(is_there) {
                         return;
                     }
                     let known = before.clone().find(|known| is_there(known));
