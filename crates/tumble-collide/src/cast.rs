@@ -344,7 +344,7 @@ impl<'a> Moving<'a> {
     }
 
     /// How fast the nearest points part.
-    fn opening_rate(&self, gap: &Gap, moment: f64) -> f64 {
+    pub(crate) fn opening_rate(&self, gap: &Gap, moment: f64) -> f64 {
         let points = [gap.on_first, gap.on_first + gap.normal * (gap.distance + self.layers)];
         let [first, second] = [0, 1].map(|which: usize| {
             let course = self.courses[which];

@@ -4,11 +4,12 @@
 //! Why: what is taken for passed is not followed, and goes through.
 
 use proptest::prelude::*;
+use tumble_math::lane::Quat;
 
 use crate::cast::Moving;
 use crate::collider_shape::{ColliderShape, Isometry};
 use crate::course::Course;
-use crate::support_map::{Convex, Vector};
+use crate::support_map::{Convex, Vector, unit};
 
 fn vector(most: f64) -> impl Strategy<Value = Vector> {
     [-most..most, -most..most, -most..most].prop_map(|[x, y, z]| Vector::new(x, y, z))
@@ -30,12 +31,25 @@ fn shape() -> impl Strategy<Value = ColliderShape<f64>> {
     ]
 }
 
+fn orientation() -> impl Strategy<Value = Quat<f64>> {
+    let parts = [-1.0..1.0, -1.0..1.0, -1.0..1.0, -1.0..1.0];
+    parts.prop_filter_map("no axis", |[x, y, z, w]: [f64; 4]| {
+        let quat = Quat { x, y, z, w };
+        (quat.length_squared() > 1e-2).then(|| quat.normalize())
+    })
+}
+
 /// Also such that turn off or do not turn, about points beside the shape.
 fn course() -> impl Strategy<Value = Course> {
     let turn = prop_oneof![vector(2.0), Just(Vector::zero())];
-    (vector(3.0), vector(0.5), vector(4.0), turn, 0.0..1.0, vector(4.0)).prop_map(
-        |(at, off, way, turn, moment, after)| {
-            Course::new(&Isometry::at(at), at + off, way, turn).turned_off(moment, after)
+    let part = (vector(0.5), orientation());
+    // Some spin about the axis of the shape.
+    let about_axis = prop_oneof![Just(0.0), -6.0..6.0_f64];
+    (vector(3.0), vector(0.5), vector(4.0), turn, 0.0..1.0, vector(4.0), part, about_axis).prop_map(
+        |(at, off, way, turn, moment, after, (place, orientation), about_axis)| {
+            let [_, axis, _] = orientation.axes();
+            let course = Course::new(&Isometry::at(at), at + off, way, turn + axis * about_axis);
+            course.of_part(&Isometry { position: place, orientation }).turned_off(moment, after)
         },
     )
 }
@@ -56,6 +70,36 @@ proptest! {
         let Some(there) = moving.gap(between) else { return Ok(()) };
         let least = moving.least_until(&gap, moment, end);
         prop_assert!(there.distance >= least - 1e-9, "{} < {least} at {between}", there.distance);
+    }
+
+    /// No point that is furthest in a direction goes faster in it than the bound says.
+    #[test]
+    fn what_turns_comes_no_faster(shape in shape(), course in course(), d in vector(1.0), moment in 0.0..1.0) {
+        let (Some((inner, layer)), direction) = (Convex::of(&shape), unit(d)) else { return Ok(()) };
+        let at = course.at(moment);
+        let furthest = at.to_world(inner.support(at.orientation.rotate_back(direction)));
+        let rate = course.angular().cross(furthest - course.center_and_turn(moment).0).dot(direction);
+        let radius = course.off_center() + shape.reach().unwrap_or(0.0) - layer;
+        let most = course.turning_rate(&inner, radius, direction);
+        prop_assert!(rate <= most + 1e-9, "{rate} for {most}");
+    }
+
+    /// The rate at which shapes part is how their distance changes, where that is smooth.
+    #[test]
+    fn the_rate_is_that_of_the_distance(
+        (first, second) in (shape(), shape()), (a, b) in (course(), course()), moment in 0.01..0.99,
+    ) {
+        let convex = [&first, &second].map(Convex::of);
+        let [Some(one), Some(other)] = convex else { return Ok(()) };
+        let moving = Moving::new(one, other, [&first, &second], [&a, &b]);
+        let part = 1e-5;
+        let gaps = [moment - part, moment, moment + part].map(|moment| moving.gap(moment));
+        let [Some(before), Some(now), Some(after)] = gaps else { return Ok(()) };
+        prop_assume!(before.distance > 0.1 && now.distance > 0.1 && after.distance > 0.1);
+        let [came, goes] = [now.distance - before.distance, after.distance - now.distance].map(|way| way / part);
+        prop_assume!((came - goes).abs() < 1e-2);
+        let rate = moving.opening_rate(&now, moment);
+        prop_assert!((rate - 0.5 * (came + goes)).abs() < 2e-2, "{rate} for {came} and {goes}");
     }
 
     /// The distance of what goes straight on falls, and then grows.

@@ -226,21 +226,8 @@ impl<R: Scalar> ColliderShape<R> {
     /// assert!(ellipsoid(1.0).is_axially_symmetric() && !ellipsoid(1.5).is_axially_symmetric());
     /// ```
     pub fn is_axially_symmetric(&self) -> bool {
-        match self {
-            Self::Sphere { .. }
-            | Self::Capsule { .. }
-            | Self::Cylinder { .. }
-            | Self::Cone { .. }
-            | Self::Frustum { .. }
-            | Self::TaperedCapsule { .. } => true,
-            Self::Ellipsoid { radii } => radii.x == radii.z,
-            Self::Cuboid { .. }
-            | Self::Hull(_)
-            | Self::Mesh(_)
-            | Self::HeightField(_)
-            | Self::Compound(_)
-            | Self::HalfSpace => false,
-        }
+        let is_half_space = matches!(self, Self::HalfSpace);
+        is_half_space || Convex::of(self).is_some_and(|(inner, _)| inner.is_axially_symmetric())
     }
 
     /// Whether a part that [`contact_manifolds`](crate::contact_manifolds) names is a flat piece of

@@ -8,6 +8,7 @@ use crate::frustum::Frustum;
 use crate::gjk::on_triangle;
 use crate::minkowski::{Difference, Reached};
 use crate::support_map::{Convex, Vector, unit};
+use crate::underside::axes_across;
 
 /// Where two shapes have a normal in common.
 #[derive(Clone, Copy, Debug)]
@@ -24,10 +25,13 @@ pub(crate) struct CommonNormal {
 const MAX_STEPS: usize = 6;
 /// Further than this \[rad\] the surfaces are not what they are at the beginning.
 const MAX_TURN: f64 = 0.3;
-/// Nearest points are beside the normal by no more than this part of what shapes reach.
-const BESIDE: f64 = 1e-12;
+/// Nearest points are beside the normal by no more than this part of how far the second shape's
+/// origin and the first shape's surface are from the origin of the first.
+const BESIDE: f64 = 2e-12;
+/// Of the square of a unit vector.
+const ROUNDING: f64 = 1e-12;
 /// Of a normal that was one a moment ago, the sine to the circle of those of two patches.
-const NEARLY: f64 = 0.02;
+const RING_WIDTH: f64 = 0.02;
 /// Square of the sine between circles of normals that have no points in common to be found.
 const PARALLEL: f64 = 1e-16;
 
@@ -95,13 +99,14 @@ impl Patch {
 }
 
 impl Side {
-    /// Of a shape, the patches that points of it are on; `None` where it has a face there.
-    fn of(shape: &Convex<'_>, points: impl Iterator<Item = Vector>) -> Option<Self> {
+    /// Of a shape, the patches that points of it are on, where those are known to `rounding` \[m\];
+    /// `None` where it has a face there.
+    fn of(shape: &Convex<'_>, points: impl Iterator<Item = Vector>, rounding: f64) -> Option<Self> {
         match *shape {
             Convex::Point => Some(Self::One(Patch::Corner(Vector::zero()))),
             Convex::Ellipsoid { radii } => Some(Self::One(Patch::Ellipsoid(radii))),
             Convex::Tapered { radii, half_height } => {
-                let (ends, ring) = tapered_ends(radii, half_height);
+                let (ends, ring) = tapered_patches(radii, half_height);
                 let off = |point: Vector, end: &Patch| match *end {
                     Patch::Ball { center, radius } => ((point - center).dot(point - center).sqrt() - radius).abs(),
                     _ => 0.0,
@@ -109,20 +114,20 @@ impl Side {
                 Self::of_ends(ends, ring, points.map(|point| off(point, &ends[1]) < off(point, &ends[0])))
             }
             Convex::Frustum(frustum) => {
-                let (ends, ring) = frustum_ends(frustum);
+                let (ends, ring) = frustum_patches(frustum);
                 Self::of_ends(ends, ring, points.map(|point| point.y > 0.0))
             }
             Convex::Segment { .. }
             | Convex::Cuboid { .. }
             | Convex::Hull(_)
             | Convex::SmallerHull(..)
-            | Convex::Triangle(_) => Self::of_corners(points),
+            | Convex::Triangle(_) => Self::of_corners(points, rounding),
         }
     }
 
     /// The patches that a unit vector is normal to, nearly.
     fn near(shape: &Convex<'_>, d: Vector) -> Option<Self> {
-        let is_across = |along: f64| along.abs() <= NEARLY;
+        let is_across = |along: f64| along.abs() <= RING_WIDTH;
         let of_ends = |ends: [Patch; 2], ring: Ring| {
             let above = d.dot(ring.axis) - ring.cosine;
             if is_across(above) { Self::Two(ends, ring) } else { Self::One(ends[usize::from(above > 0.0)]) }
@@ -131,11 +136,11 @@ impl Side {
             Convex::Point => Some(Self::One(Patch::Corner(Vector::zero()))),
             Convex::Ellipsoid { radii } => Some(Self::One(Patch::Ellipsoid(radii))),
             Convex::Tapered { radii, half_height } => {
-                let (ends, ring) = tapered_ends(radii, half_height);
+                let (ends, ring) = tapered_patches(radii, half_height);
                 Some(of_ends(ends, ring))
             }
             Convex::Frustum(frustum) => {
-                let (ends, ring) = frustum_ends(frustum);
+                let (ends, ring) = frustum_patches(frustum);
                 Some(of_ends(ends, ring))
             }
             Convex::Segment { .. } | Convex::Cuboid { .. } => {
@@ -166,13 +171,14 @@ impl Side {
         Some(if is_one { Self::One(ends[usize::from(first)]) } else { Self::Two(ends, ring) })
     }
 
-    fn of_corners(mut points: impl Iterator<Item = Vector>) -> Option<Self> {
+    fn of_corners(mut points: impl Iterator<Item = Vector>, rounding: f64) -> Option<Self> {
+        let are_one = |a: Vector, b: Vector| (a - b).dot(a - b) <= rounding * rounding;
         let first = points.next()?;
         let mut second = None;
-        for point in points.filter(|point| *point != first) {
+        for point in points.filter(|point| !are_one(*point, first)) {
             match second {
                 None => second = Some(point),
-                Some(known) if known == point => {}
+                Some(known) if are_one(known, point) => {}
                 Some(_) => return None,
             }
         }
@@ -196,14 +202,14 @@ impl Side {
 }
 
 /// Both balls, and normals of the side between them.
-fn tapered_ends([below, above]: [f64; 2], half_height: f64) -> ([Patch; 2], Ring) {
+fn tapered_patches([below, above]: [f64; 2], half_height: f64) -> ([Patch; 2], Ring) {
     let end = |y: f64, radius: f64| Patch::Ball { center: Vector::new(0.0, y, 0.0), radius };
     let ring = Ring { axis: UP, cosine: (below - above) / (2.0 * half_height) };
     ([end(-half_height, below), end(half_height, above)], ring)
 }
 
 /// Both rims, and normals of the side between them.
-fn frustum_ends(Frustum { radii: [below, above], half_height }: Frustum) -> ([Patch; 2], Ring) {
+fn frustum_patches(Frustum { radii: [below, above], half_height }: Frustum) -> ([Patch; 2], Ring) {
     let rim = |height: f64, radius: f64| Patch::Rim { radius, height };
     let slope = (below - above) / (2.0 * half_height);
     let ring = Ring { axis: UP, cosine: slope / (1.0 + slope * slope).sqrt() };
@@ -221,8 +227,10 @@ pub(crate) fn common_normal(
 ) -> Option<CommonNormal> {
     let on_first = reached.clone().map(|reached| reached.on_first);
     let on_second = reached.map(|reached| shapes.turned_back(reached.on_first - reached.point - shapes.position));
-    let sides = Side::of(&shapes.first, on_first).zip(Side::of(&shapes.second, on_second));
-    Search::new(shapes, near).find(sides, near)
+    let search = Search::new(shapes, near);
+    let rounding = search.tolerance;
+    let sides = Side::of(&shapes.first, on_first, rounding).zip(Side::of(&shapes.second, on_second, rounding));
+    search.find(sides, near)
 }
 
 /// Near a unit vector that was a common normal a moment ago.
@@ -288,7 +296,7 @@ impl<'a> Search<'a> {
             let reached = self.reached(&sides, normal);
             let separation = -reached.dot(normal);
             let beside = reached + normal * separation;
-            let [u, v] = tangents(normal);
+            let [u, v] = axes_across(normal);
             let uu = self.curvature(&sides, normal, [u, u]) + separation;
             let uv = self.curvature(&sides, normal, [u, v]);
             let vv = self.curvature(&sides, normal, [v, v]) + separation;
@@ -300,7 +308,7 @@ impl<'a> Search<'a> {
             }
             let (along_u, along_v) = (beside.dot(u), beside.dot(v));
             let turn = (u * (uv * along_v - vv * along_u) + v * (uv * along_u - uu * along_v)) * (1.0 / determinant);
-            if beside.dot(beside) <= self.tolerance * self.tolerance {
+            if beside.dot(beside) <= 0.25 * self.tolerance * self.tolerance {
                 return Some(normal);
             }
             let is_near = turn.dot(turn) <= MAX_TURN * MAX_TURN;
@@ -325,7 +333,7 @@ impl<'a> Search<'a> {
             if !is_least {
                 return None;
             }
-            if beside.abs() <= self.tolerance {
+            if beside.abs() <= 0.5 * self.tolerance {
                 return Some(normal);
             }
             let turn = -beside / bend;
@@ -377,9 +385,10 @@ impl<'a> Search<'a> {
         let along = apart.dot(normal);
         let beside = apart - normal * along;
         let separation = self.shapes.separation(normal);
+        let is_unit = (normal.dot(normal) - 1.0).abs() <= ROUNDING;
         let is_common =
-            beside.dot(beside) <= 4.0 * self.tolerance * self.tolerance && (along - separation).abs() <= self.tolerance;
-        is_common.then_some(CommonNormal { normal, separation, on_first })
+            beside.dot(beside) <= self.tolerance * self.tolerance && (along - separation).abs() <= self.tolerance;
+        (is_unit && is_common).then_some(CommonNormal { normal, separation, on_first })
     }
 }
 
@@ -395,7 +404,7 @@ fn crossing([a, b]: [Ring; 2], near: Vector) -> Option<Vector> {
     let within = a.axis * along_a + b.axis * along_b;
     let rest = (1.0 - within.dot(within)) / square;
     let sign = if across.dot(near) < 0.0 { -1.0 } else { 1.0 };
-    (rest >= 0.0).then(|| within + across * (sign * rest.sqrt()))
+    (rest >= 0.0).then(|| unit(within + across * (sign * rest.sqrt())))
 }
 
 /// The parts of two vectors that take a third nearest to zero, each from 0 to 1.
@@ -441,18 +450,4 @@ fn on_face(shape: &Convex<'_>, normal: Vector, point: Vector) -> Option<Vector> 
         | Convex::Tapered { .. }
         | Convex::SmallerHull(..) => None,
     }
-}
-
-/// Two unit vectors across another and each other.
-fn tangents(normal: Vector) -> [Vector; 2] {
-    let [x, y, z] = [normal.x.abs(), normal.y.abs(), normal.z.abs()];
-    let other = if x <= y && x <= z {
-        Vector::new(1.0, 0.0, 0.0)
-    } else if y <= z {
-        UP
-    } else {
-        Vector::new(0.0, 0.0, 1.0)
-    };
-    let u = unit(normal.cross(other));
-    [u, normal.cross(u)]
 }

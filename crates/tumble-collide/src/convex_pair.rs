@@ -54,8 +54,13 @@ pub(crate) fn approach(shapes: &Difference<'_>, limit: f64) -> Option<Approach> 
 
 /// The same of shapes that had this unit normal a moment ago, in the frame of the first.
 fn approach_again(shapes: &Difference<'_>, near: Option<Vector>, limit: f64) -> Option<Approach> {
-    let again = near.filter(|_| shapes.is_curved()).and_then(|near| common_normal_again(shapes, near));
-    let again = again.filter(|found| found.separation > 0.0 || has_both(shapes, found));
+    let near = near.filter(|_| shapes.has_round_core());
+    let again = near.and_then(|near| {
+        let found = common_normal_again(shapes, near)?;
+        // What overlaps has others, of faces that are turned away, which are worse than the old one.
+        let holds = found.separation > 0.0 || (found.separation >= shapes.separation(near) && has_both(shapes, &found));
+        holds.then_some(found)
+    });
     match again {
         Some(CommonNormal { normal, separation, on_first }) => {
             (separation < limit).then_some(Approach { normal, between: separation, lead: 0.0, on_first })

@@ -34,7 +34,8 @@ const GAP: f64 = 1e-4;
 /// Part of what the difference reaches that a point must add to the polyhedron to be worth it. The
 /// normal of round shapes is good to its square root.
 const GAIN: f64 = 1e-11;
-/// A common normal of round shapes is taken where nothing is shorter by more than this part of it.
+/// A common normal of round shapes is taken where nothing is shorter by more than this part of what
+/// the difference reaches.
 const NEAR: f64 = 1e-7;
 /// Part of it that is flat.
 const FLAT: f64 = 1e-12;
@@ -64,7 +65,7 @@ pub(crate) fn penetration(shapes: &Difference<'_>, simplex: &Simplex) -> Option<
     let mut outline = Outline::default();
     let mut best: Option<(f64, Vector)> = None;
     let mut is_certain = true;
-    let mut next_try = if shapes.is_curved() { 0 } else { usize::MAX };
+    let mut next_try = if shapes.has_round_core() { 0 } else { usize::MAX };
     for _ in 0..2 * MAX_MANIFOLD_POINTS {
         let Some((index, face)) = polyhedron.nearest() else { break };
         let least = best.map_or(f64::INFINITY, |(least, _)| least);
@@ -83,7 +84,7 @@ pub(crate) fn penetration(shapes: &Difference<'_>, simplex: &Simplex) -> Option<
         }
         let least = f64::min(least, overlap);
         let bound = face.distance + NEAR * polyhedron.scale;
-        if least <= bound && polyhedron.points.len() >= next_try {
+        if is_certain && least <= bound && polyhedron.points.len() >= next_try {
             next_try = polyhedron.points.len() * 3 / 2;
             let corners = face.corners.map(|corner| polyhedron.points[corner as usize]);
             let found = common_normal(shapes, face.normal, corners.into_iter());

@@ -55,7 +55,7 @@ pub(crate) fn nearest(shapes: &Difference<'_>, limit: f64) -> Nearest {
 
 /// The same of shapes that were nearest along a unit vector a moment ago, without a limit.
 pub(crate) fn nearest_again(shapes: &Difference<'_>, near: Option<Vector>) -> Nearest {
-    let again = near.filter(|_| shapes.is_curved()).and_then(|near| common_normal_again(shapes, near));
+    let again = near.filter(|_| shapes.has_round_core()).and_then(|near| common_normal_again(shapes, near));
     let reach = |v: Vector| v.dot(v).sqrt();
     match again {
         Some(CommonNormal { normal, separation, on_first })
@@ -73,7 +73,7 @@ fn nearest_of_all(shapes: &Difference<'_>, limit: f64) -> Nearest {
     let mut v = if start.dot(start) > 0.0 { start } else { Vector::new(1.0, 0.0, 0.0) };
     let mut simplex = Simplex::none();
     let (mut square, mut largest) = (f64::INFINITY, 0.0);
-    let mut next_try = if shapes.is_curved() { POINTS_TRIED } else { MAX_TURNS };
+    let mut next_try = if shapes.has_round_core() { POINTS_TRIED } else { usize::MAX };
     for turn in 0..MAX_TURNS {
         let reached = shapes.support(v * -1.0);
         let (w, length_squared) = (reached.point, v.dot(v));

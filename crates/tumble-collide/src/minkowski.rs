@@ -36,8 +36,8 @@ impl Difference<'_> {
     }
 
     /// Whether either is round somewhere.
-    pub(crate) fn is_curved(&self) -> bool {
-        self.first.is_curved() || self.second.is_curved()
+    pub(crate) fn has_round_core(&self) -> bool {
+        self.first.has_round_core() || self.second.has_round_core()
     }
 
     /// How far they are apart along a unit vector from the first to the second; negative where they

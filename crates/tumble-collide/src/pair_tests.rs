@@ -21,7 +21,9 @@ use crate::{contact_manifold, contact_manifold_near, work};
 
 /// Points reached of a pair: turns of the search for the nearest points, points of the polyhedron
 /// and what starts it, refinements, and the choice of a face.
-const MAX_REACHED: usize = 64 + 24 + 512 + 12 + 5 * 8 * 65 + 8;
+const MAX_REACHED: usize = 64 + 24 + 512 + 12 + 5 * 8 * 65 + 8 + TRIES * 8;
+/// Of common normals, for each of some numbers of points.
+const TRIES: usize = 20;
 /// Faces tested and sides compared.
 const MAX_COMPARED: usize = (1 << 18) + (1 << 13);
 
@@ -205,7 +207,7 @@ proptest! {
 /// Pairs of which one is curved, about as large as each other, apart or overlapping by up to a
 /// tenth of what they reach, and a small motion of the second.
 fn curved_pair() -> impl Strategy<Value = (ColliderShape<f64>, ColliderShape<f64>, Isometry<f64>, Isometry<f64>)> {
-    let is_curved = |shape: &ColliderShape<f64>| Convex::of(shape).is_some_and(|(inner, _)| inner.is_curved());
+    let is_curved = |shape: &ColliderShape<f64>| Convex::of(shape).is_some_and(|(inner, _)| inner.has_round_core());
     let any = [-1.0..1.0, -1.0..1.0, -1.0..1.0, -1.0..1.0].prop_filter_map("no axis", |[x, y, z, w]: [f64; 4]| {
         let quat = Quat { x, y, z, w };
         (quat.length_squared() > 1e-2).then(|| quat.normalize())
@@ -236,7 +238,8 @@ fn curved_pair() -> impl Strategy<Value = (ColliderShape<f64>, ColliderShape<f64
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(10_000))]
 
-    /// No direction near the one that is found separates shapes by more, at whatever scale.
+    /// No direction near the one that is found separates shapes by more: of those that overlap, at
+    /// whatever scale.
     #[test]
     fn the_way_of_curved_shapes_is_the_best_of_those_near_it(
         (first, second, at, _) in curved_pair(), beside in vector(-1.0..1.0), exponent in -6.0..-1.0_f64,
@@ -253,22 +256,35 @@ proptest! {
         prop_assert!((along - found.between).abs() <= apart + 1e-9 * size, "{along} is said to be {}", found.between);
     }
 
-    /// After a small motion shapes are found again: what is apart as if for the first time, and
-    /// what overlaps along a way that is no shorter than the shortest.
+    /// After a small motion shapes are found again, whichever is first: what is apart as if for the
+    /// first time, and what overlaps along a way out that is longer than the shortest by twice what
+    /// the motion may have changed at most.
     #[test]
     fn curved_shapes_are_found_again((first, second, at, moved) in curved_pair()) {
-        let margin = 0.2 * [&first, &second].iter().fold(0.0, |size: f64, shape| size + shape.reach().unwrap_or(0.0));
+        let reach = [&first, &second].map(|shape| shape.reach().unwrap_or(0.0));
+        let margin = 0.2 * (reach[0] + reach[1]);
         let before = contact_manifold(&first, &here(), &second, &at, margin);
-        prop_assume!(!before.points().is_empty());
-        let again = contact_manifold_near(&first, &here(), &second, &moved, margin, before.normal);
         let found = contact_manifold(&first, &here(), &second, &moved, margin);
+        prop_assume!(!before.points().is_empty() && !found.points().is_empty());
+        let [forth, back] = [
+            contact_manifold_near(&first, &here(), &second, &moved, margin, before.normal),
+            contact_manifold_near(&second, &moved, &first, &here(), margin, before.normal * -1.0).swapped(),
+        ];
         let ((a, of_a), (b, of_b)) = (Convex::of(&first).unwrap(), Convex::of(&second).unwrap());
         let shapes = difference(a, &here(), b, &moved).unwrap();
         let along = |normal: Vector| shapes.separation(normal) - of_a - of_b;
-        let (best, other) = (along(found.normal), along(again.normal));
-        prop_assert!(other <= best + FACE_LEAD + 1e-6 * margin, "{other} is more than {best}");
-        if best > 0.0 && !again.points().is_empty() {
-            prop_assert!(other >= best - FACE_LEAD - 1e-6 * margin, "{other} for {best}");
+        let (slid, turned) = (moved.position - at.position, moved.orientation * at.orientation.conjugate());
+        let turned = 2.0 * turned.vector().dot(turned.vector()).sqrt();
+        let changed = slid.dot(slid).sqrt() + turned * reach[1];
+        let best = along(found.normal);
+        for again in [forth, back] {
+            prop_assert!(best > 0.5 * margin || !again.points().is_empty(), "{best} is gone");
+            let other = along(again.normal);
+            let less = if best > 0.0 { 0.0 } else { 2.0 * changed };
+            prop_assert!(
+                again.points().is_empty() || other >= best - less - FACE_LEAD - 1e-6 * margin,
+                "{other} for {best}, which changed by {changed}"
+            );
         }
     }
 }
@@ -282,7 +298,10 @@ fn curved_pairs_take_few_points() {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         low + (high - low) * (state >> 11) as f64 / (1_u64 << 53) as f64
     };
-    let mut reached = [(0, 0); 2];
+    let (mut reached, mut again) = ([(0, 0); 2], (0, 0));
+    let corners: Vec<Vector> =
+        (0..20).map(|_| Vec3::new(number(-1.0, 1.0), number(-1.0, 1.0), number(-1.0, 1.0))).collect();
+    let polyhedron = hull(&corners).unwrap();
     for _ in 0..4000 {
         let [a, b, c, d] = [0; 4].map(|_| number(0.3, 1.0));
         let shapes = [
@@ -292,20 +311,29 @@ fn curved_pairs_take_few_points() {
             ColliderShape::TaperedCapsule { radius_bottom: a, radius_top: 0.5 * c, half_height: d },
             ColliderShape::Ellipsoid { radii: Vec3::new(a, b, c) },
             ColliderShape::Cuboid { half_extents: Vec3::new(d, b, a) },
+            ColliderShape::Capsule { radius: 0.5 * a, half_height: b },
+            polyhedron.clone(),
         ];
-        let [first, second] = [5.0, 6.0].map(|end| &shapes[number(0.0, end) as usize]);
+        let [first, second] = [5.0, 8.0].map(|end| &shapes[number(0.0, end) as usize]);
         let mut turn = || number(-1.0, 1.0);
         let orientation = Quat { x: turn(), y: turn(), z: turn(), w: turn() }.normalize();
         let position = Vec3::new(turn(), turn(), turn()) * 2.0;
+        let at = Isometry { position, orientation };
         let (Some((a, _)), Some((b, _))) = (Convex::of(first), Convex::of(second)) else { continue };
-        let Some(shapes) = difference(a, &here(), b, &Isometry { position, orientation }) else { continue };
+        let Some(shapes) = difference(a, &here(), b, &at) else { continue };
         let _ = work::taken();
         let Some(found) = approach(&shapes, f64::INFINITY) else { continue };
         let (count, points) = &mut reached[usize::from(found.between < 0.0)];
         (*count, *points) = (*count + 1, *points + work::taken()[0]);
+        if found.between.abs() < 0.1 {
+            contact_manifold_near(first, &here(), second, &at, 1.0, found.normal);
+            again = (again.0 + 1, again.1 + work::taken()[0]);
+        }
     }
+    let again = again.1 as f64 / f64::from(again.0);
     let [apart, overlapping] = reached.map(|(count, points)| points as f64 / f64::from(count));
     assert!(apart < 8.0 && overlapping < 40.0, "{apart} points apart, {overlapping} overlapping");
+    assert!(again < 8.0, "{again} points of what is found again");
 }
 
 /// A box deep in a cylinder, and as rounding may move them. The polyhedron tore, and its faces were

@@ -6,6 +6,7 @@ use crate::collider_shape::ColliderShape;
 use crate::convex_hull::ConvexHull;
 use crate::feature::{Feature, Near};
 use crate::frustum::Frustum;
+use crate::query::point::out_of_tapered;
 use crate::scalar::Scalar;
 
 /// Shapes in general meet in double precision, whatever the precision of the caller: so no length
@@ -150,7 +151,7 @@ impl<'a> Convex<'a> {
     }
 
     /// Whether it is round somewhere, without its layer.
-    pub(crate) fn is_curved(&self) -> bool {
+    pub(crate) fn has_round_core(&self) -> bool {
         matches!(self, Self::Frustum(_) | Self::Ellipsoid { .. } | Self::Tapered { .. })
     }
 
@@ -163,29 +164,21 @@ impl<'a> Convex<'a> {
         }
     }
 
-    /// Whether a point is inside; of what has no volume none is.
+    /// Whether a point is inside or on the surface; of what has no volume none is.
     pub(crate) fn contains(&self, point: Vector) -> bool {
+        let across = (point.x * point.x + point.z * point.z).sqrt();
         match *self {
-            Self::Cuboid { half } => point.x.abs() < half.x && point.y.abs() < half.y && point.z.abs() < half.z,
+            Self::Cuboid { half } => point.x.abs() <= half.x && point.y.abs() <= half.y && point.z.abs() <= half.z,
             Self::Frustum(Frustum { radii: [below, above], half_height }) => {
-                let radius = 0.5 * (below + above + (above - below) * point.y / half_height);
-                point.y.abs() < half_height && point.x * point.x + point.z * point.z < radius * radius
+                let share = 0.5 + 0.5 * point.y / half_height;
+                point.y.abs() <= half_height && across <= below + (above - below) * share
             }
             Self::Ellipsoid { radii } => {
-                let square = |x: f64, radius: f64| (x / radius) * (x / radius);
-                square(point.x, radii.x) + square(point.y, radii.y) + square(point.z, radii.z) < 1.0
+                let scaled = Vector::new(point.x / radii.x, point.y / radii.y, point.z / radii.z);
+                scaled.dot(scaled) <= 1.0
             }
-            Self::Tapered { radii, half_height } => {
-                // Of the balls between both ends, that of which the surface is nearest.
-                let slope = (radii[0] - radii[1]) / (2.0 * half_height);
-                let around = (point.x * point.x + point.z * point.z).sqrt();
-                let flat = 1.0 - slope * slope;
-                let y = if flat > 0.0 { point.y - slope * around / flat.sqrt() } else { -slope.signum() * half_height };
-                let y = y.max(-half_height).min(half_height);
-                let (radius, up) = (0.5 * (radii[0] + radii[1]) - slope * y, point.y - y);
-                around * around + up * up < radius * radius
-            }
-            Self::Hull(hull) => hull.planes().all(|(normal, corner)| normal.dot(point - corner) < 0.0),
+            Self::Tapered { radii, half_height } => out_of_tapered(radii, half_height, [across, point.y]) <= 0.0,
+            Self::Hull(hull) => hull.planes().all(|(normal, corner)| normal.dot(point - corner) <= 0.0),
             Self::Point | Self::Segment { .. } | Self::SmallerHull(..) | Self::Triangle(_) => false,
         }
     }

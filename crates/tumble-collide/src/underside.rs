@@ -240,7 +240,7 @@ impl Chosen {
 }
 
 /// Two axes across a direction.
-fn axes_across(up: Vector) -> [Vector; 2] {
+pub(crate) fn axes_across(up: Vector) -> [Vector; 2] {
     let aside = if up.x.abs() < 0.5 { Vector::new(1.0, 0.0, 0.0) } else { Vector::new(0.0, 1.0, 0.0) };
     let first = crate::support_map::unit(up.cross(aside));
     [first, up.cross(first)]

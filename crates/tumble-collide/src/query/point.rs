@@ -6,7 +6,7 @@ use crate::collider_shape::{ColliderShape, Isometry};
 use crate::convex_pair::{difference, wide_placement};
 use crate::gjk::{Nearest, nearest, on_segment, on_triangle};
 use crate::scalar::Scalar;
-use crate::support_map::{Convex, Vector, unit, wide};
+use crate::support_map::{Convex, Vector, unit};
 use crate::surface::Surface;
 
 /// The point of a shape that is nearest to another.
@@ -51,41 +51,18 @@ impl<R: Scalar> ColliderShape<R> {
     #[must_use]
     pub fn contains(&self, at: &Isometry<f64>, point: Vector) -> bool {
         let local = at.to_local(point);
-        let across = (local.x * local.x + local.z * local.z).sqrt();
-        let in_frustum = |below: f64, above: f64, half_height: f64| {
-            let share = 0.5 + 0.5 * local.y / half_height;
-            Lane::abs(local.y) <= half_height && across <= below + (above - below) * share
-        };
         match *self {
             Self::Sphere { radius } => local.dot(local).sqrt() <= radius.into(),
-            Self::Cuboid { half_extents } => {
-                let half = wide(half_extents);
-                local.x.abs() <= half.x && local.y.abs() <= half.y && local.z.abs() <= half.z
-            }
             Self::Capsule { radius, half_height } => {
                 let half: f64 = half_height.into();
                 let out = (Lane::abs(local.y) - half).max(0.0);
-                (across * across + out * out).sqrt() <= radius.into()
+                (local.x * local.x + local.z * local.z + out * out).sqrt() <= radius.into()
             }
-            Self::Cylinder { radius, half_height } => in_frustum(radius.into(), radius.into(), half_height.into()),
-            Self::Cone { radius, half_height } => in_frustum(radius.into(), 0.0, half_height.into()),
-            Self::Frustum { radius_bottom, radius_top, half_height } => {
-                in_frustum(radius_bottom.into(), radius_top.into(), half_height.into())
-            }
-            Self::TaperedCapsule { radius_bottom, radius_top, half_height } => {
-                out_of_tapered([radius_bottom.into(), radius_top.into()], half_height.into(), [across, local.y]) <= 0.0
-            }
-            Self::Ellipsoid { radii } => {
-                let radii = wide(radii);
-                let scaled = Vector::new(local.x / radii.x, local.y / radii.y, local.z / radii.z);
-                scaled.dot(scaled) <= 1.0
-            }
-            Self::Hull(ref hull) => hull.planes().all(|(normal, corner)| normal.dot(local - corner) <= 0.0),
             Self::HalfSpace => local.y <= 0.0,
             Self::Compound(ref compound) => {
                 compound.parts().iter().any(|(inner, part)| part.contains(&at.then(&wide_placement(inner)), point))
             }
-            Self::Mesh(_) | Self::HeightField(_) => false,
+            _ => Convex::of(self).is_some_and(|(inner, _)| inner.contains(local)),
         }
     }
 
@@ -137,7 +114,7 @@ impl<R: Scalar> ColliderShape<R> {
 
 /// How far out of a tapered capsule a point is, by its distance from the axis and its height \[m\];
 /// negative inside, where it may be less than the true one.
-fn out_of_tapered([below, above]: [f64; 2], half_height: f64, [across, y]: [f64; 2]) -> f64 {
+pub(crate) fn out_of_tapered([below, above]: [f64; 2], half_height: f64, [across, y]: [f64; 2]) -> f64 {
     let ball = |radius: f64, center: f64| (across * across + (y - center) * (y - center)).sqrt() - radius;
     let balls = ball(below, -half_height).min(ball(above, half_height));
     let sine = (below - above) / (2.0 * half_height);

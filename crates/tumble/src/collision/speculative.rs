@@ -407,6 +407,7 @@ impl View<'_> {
         };
         // Once they have met, what is behind comes down on the same plane.
         let reach = states[0].reach + states[1].reach;
+        let mut is_shown = false;
         for met in &encounter.meetings {
             let least = margin + crate::math::real(met.distance.clamp(0.0, f64::from(reach)));
             let way = second.gone(met.moment) - first.gone(met.moment);
@@ -425,6 +426,7 @@ impl View<'_> {
                     let is_there = |known: &ContactRecord| known.slots == *slots && known.part == part;
                     let key = ContactKey::new(*kind, *slots, part);
                     let stays = contacts[..plain].binary_search_by_key(&key, ContactRecord::key).is_ok();
+                    is_shown |= stays;
                     if stays || !a.parts_touch(b, part) || contacts[from..].iter().any(is_there) {
                         return;
                     }
@@ -439,7 +441,7 @@ impl View<'_> {
                     });
                 },
             );
-            if contacts.len() == from && met.is_hit {
+            if contacts.len() == from && met.is_hit && !is_shown {
                 contacts.extend(before.clone().filter(|known| is_theirs(known)).cloned());
             }
         }

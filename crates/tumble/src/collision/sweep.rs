@@ -197,12 +197,12 @@ impl CollisionPipeline {
         // How far a point at a distance of one goes at most, about; most of all of what may have
         // turned by more than half.
         let gone = match axis_turn {
-            Some(axis_turn) if turn > HALF_TURN => 2.0 * axis_turn / turn,
-            None if turn > HALF_TURN => 2.0,
-            Some(_) => {
+            Some(axis_turn) => {
                 let [[_, before, _], [_, after, _]] = [state.placement.orientation, end].map(|it| it.axes());
-                length(after - before)
+                let around = if turn > HALF_TURN { axis_turn.min(2.0) } else { 0.0 };
+                length(after - before).max(around)
             }
+            None if turn > HALF_TURN => 2.0,
             None => 2.0 * length((end.conjugate() * state.placement.orientation).vector()),
         };
         gone * arm > most

@@ -182,12 +182,17 @@ impl AabbUpdate<'_> {
             }
         };
         motion.way = Vec3::from(linear) * ahead_of;
-        let [_, axis, _] = placement.orientation.axes();
-        let off_axis = from_center - axis * axis.dot(from_center);
+        // In the body's frame, where they do not depend on where it is.
+        let up = Vec3::new(0.0, 1.0, 0.0);
+        let (inner, own_axis) =
+            collider.place().map_or((Vec3::zero(), up), |at| (at.position, at.orientation.rotate(up)));
+        let off_center = inner - Vec3::from(*offset);
+        let off_axis = off_center - own_axis * own_axis.dot(off_center);
         // Balls are as tiles have them.
         let is_ball = matches!(geometry, ColliderShape::Sphere { .. });
         let has_axis = geometry.is_axially_symmetric() && !is_ball;
         if has_axis && off_axis.dot(off_axis) <= (OFF_AXIS * radius) * (OFF_AXIS * radius) {
+            let [_, axis, _] = placement.orientation.axes();
             let turn = axis.cross(motion.turn);
             motion.axis_turn = Some(turn.dot(turn).sqrt());
         }
