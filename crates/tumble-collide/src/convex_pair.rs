@@ -57,7 +57,7 @@ fn approach_again(shapes: &Difference<'_>, near: Option<Vector>, limit: f64) -> 
     let near = near.filter(|_| shapes.has_round_core());
     let again = near.and_then(|near| {
         let found = common_normal_again(shapes, near)?;
-        // What overlaps has others, of faces that are turned away, which are worse than the old one.
+        // What overlaps has others, of faces that are turned away: worse than the old one.
         let holds = found.separation > 0.0 || (found.separation >= shapes.separation(near) && has_both(shapes, &found));
         holds.then_some(found)
     });
