@@ -204,19 +204,15 @@ proptest! {
     }
 }
 
-/// Pairs of which one is curved, about as large as each other, apart or overlapping by up to a
-/// tenth of what they reach, and a small motion of the second.
+/// Pairs of which one is curved, apart or overlapping by 1e-4 to a tenth of what the smaller reaches,
+/// and a small motion of the second.
 fn curved_pair() -> impl Strategy<Value = (ColliderShape<f64>, ColliderShape<f64>, Isometry<f64>, Isometry<f64>)> {
     let is_curved = |shape: &ColliderShape<f64>| Convex::of(shape).is_some_and(|(inner, _)| inner.has_round_core());
-    let any = [-1.0..1.0, -1.0..1.0, -1.0..1.0, -1.0..1.0].prop_filter_map("no axis", |[x, y, z, w]: [f64; 4]| {
-        let quat = Quat { x, y, z, w };
-        (quat.length_squared() > 1e-2).then(|| quat.normalize())
-    });
-    let gap = (prop_oneof![Just(-1.0), Just(1.0)], -6.0..-1.0)
+    let gap = (prop_oneof![Just(-1.0), Just(1.0)], -4.0..-1.0)
         .prop_map(|(sign, part): (f64, f64)| sign * 10.0_f64.powf(part));
     let moves = (vector(-1.0..1.0), vector(-1.0..1.0), -4.0..-2.0_f64);
     let first = shape().prop_filter("flat", is_curved);
-    (first, shape(), any, vector(-1.0..1.0), gap, moves).prop_filter_map(
+    (first, shape(), turn(), vector(-1.0..1.0), gap, moves).prop_filter_map(
         "nowhere",
         |(first, second, orientation, place, part, (slide, turn, exponent))| {
             let reach = [&first, &second].map(|shape| shape.reach().unwrap_or(1.0));

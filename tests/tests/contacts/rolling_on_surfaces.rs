@@ -138,3 +138,49 @@ fn what_rolls_off_a_box_gains_no_energy() {
         assert!(gain < 0.02 * unit, "case {case}, {shape:?}, {settings:?}: gains {} of its energy", gain / unit);
     }
 }
+
+/// Sides that are parallel but for a part of a thousandth to a millionth: their normals lie on two
+/// circles that nearly coincide.
+#[test]
+fn a_cylinder_rolls_over_what_is_nearly_one() {
+    for case in 0..u64::from(cases(24)) {
+        let mut draw = Draw::new(0xF0A1, case);
+        let (large, small) = (draw.between(1.0, 4.0), draw.between(0.2, 0.8));
+        let taper = draw.log_between(1e-6, 1e-3);
+        let lies = Quat::from_rotation_x(real(std::f64::consts::FRAC_PI_2));
+        let material = Material::new(5.0, 0.0);
+        let mut world = World::new();
+        let below = if draw.often(0.5) {
+            Shape::frustum(large, large * (1.0 - taper), 3.0)
+        } else {
+            Shape::tapered_capsule(large, large * (1.0 - taper), 3.0)
+        };
+        let fixed = RigidBody::new(Shape::Point).fixed().orientation(lies);
+        spawn(&mut world, fixed, surfaced(collider(&below), material));
+        let (shape, angle) = (Shape::cylinder(small, 1.0), draw.between(0.1, 0.3));
+        let place = Vec3::new(real(angle.sin()), real(angle.cos()), 0.0) * real(large + small);
+        let body = RigidBody::new(shape.clone()).mass(1.0).position(place).orientation(lies);
+        let roller = spawn(&mut world, body, surfaced(collider(&shape), material));
+        let substeps = if draw.often(0.5) { 4 } else { 16 };
+        let mut simulation = Simulation::new(Settings::default().with_contact_substeps(substeps)).unwrap();
+        let weight = 9.81 * (large + small);
+        let (mut before, mut settled) = (simulation.totals(&world).energy(), false);
+        for step in 0..600 {
+            simulation.step(&mut world);
+            let at = world.get::<&Pose>(roller).unwrap().position;
+            // From about 0.97 rad on it flies.
+            if at.x.atan2(at.y) > 0.7 {
+                settled = true;
+                break;
+            }
+            let energy = simulation.totals(&world).energy();
+            assert!(
+                step < 10 || (energy - before).abs() < 2e-3 * weight,
+                "case {case}, step {step}: {} of {weight}",
+                energy - before
+            );
+            before = energy;
+        }
+        assert!(settled, "case {case}: it did not roll down");
+    }
+}
