@@ -204,8 +204,8 @@ proptest! {
     }
 }
 
-/// Pairs of which one is curved, apart or overlapping by 1e-4 to a tenth of what the smaller reaches,
-/// and a small motion of the second.
+/// Pairs of which one is curved, apart or overlapping by 1e-4 to a tenth of what the smaller
+/// reaches, and a small motion of the second.
 fn curved_pair() -> impl Strategy<Value = (ColliderShape<f64>, ColliderShape<f64>, Isometry<f64>, Isometry<f64>)> {
     let is_curved = |shape: &ColliderShape<f64>| Convex::of(shape).is_some_and(|(inner, _)| inner.has_round_core());
     let gap = (prop_oneof![Just(-1.0), Just(1.0)], -4.0..-1.0)
