@@ -396,15 +396,7 @@ impl View<'_> {
         let follow = self.follow(encounter);
         let of_second = Second { center: states[1].center, has_non_dynamic: !states[0].is_dynamic, margin };
         let are_balls = before.clone().any(ContactRecord::is_between_centers);
-        // Impulses before two meet act in one point, or angular momentum would be lost that only
-        // two that are alone get back.
-        let are_both_free = states.iter().all(|state| state.is_dynamic);
-        let keeps_centers = !are_both_free || self.partners.are_alone(*slots);
-        let rule = match follow {
-            Follow::Centers if are_balls && keeps_centers => UpdateRule::MeetingCenters,
-            Follow::Centers => UpdateRule::Constant,
-            Follow::Bodies => UpdateRule::BodyFixed,
-        };
+        let rule = self.update_rule(*slots, (follow, are_balls));
         // Once they have met, what is behind comes down on the same plane.
         let reach = states[0].reach + states[1].reach;
         let mut is_shown = false;
@@ -444,6 +436,19 @@ impl View<'_> {
             if contacts.len() == from && met.is_hit && !is_shown {
                 contacts.extend(before.clone().filter(|known| is_theirs(known)).cloned());
             }
+        }
+    }
+
+    /// How contacts of an encounter are updated within the step.
+    fn update_rule(&self, slots: [Slot; 2], (follow, are_balls): (Follow, bool)) -> UpdateRule {
+        // Impulses before two meet act in one point, or angular momentum would be lost that only
+        // two that are alone get back.
+        let are_both_free = slots.iter().all(|slot| self.states[slot.index()].is_dynamic);
+        let keeps_centers = !are_both_free || self.partners.are_alone(slots);
+        match follow {
+            Follow::Centers if are_balls && keeps_centers => UpdateRule::MeetingCenters,
+            Follow::Centers => UpdateRule::Constant,
+            Follow::Bodies => UpdateRule::BodyFixed,
         }
     }
 

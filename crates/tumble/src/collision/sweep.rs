@@ -198,7 +198,7 @@ impl CollisionPipeline {
         // turned by more than half.
         let gone = match axis_turn {
             Some(axis_turn) => {
-                let [[_, before, _], [_, after, _]] = [state.placement.orientation, end].map(|it| it.axes());
+                let [[_, before, _], [_, after, _]] = [state.placement.orientation, end].map(Quat::axes);
                 let around = if turn > HALF_TURN { axis_turn.min(2.0) } else { 0.0 };
                 length(after - before).max(around)
             }

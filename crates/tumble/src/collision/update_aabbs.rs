@@ -182,20 +182,7 @@ impl AabbUpdate<'_> {
             }
         };
         motion.way = Vec3::from(linear) * ahead_of;
-        // In the body's frame, where they do not depend on where it is.
-        let up = Vec3::new(0.0, 1.0, 0.0);
-        let (inner, own_axis) =
-            collider.place().map_or((Vec3::zero(), up), |at| (at.position, at.orientation.rotate(up)));
-        let off_center = inner - Vec3::from(*offset);
-        let off_axis = off_center - own_axis * own_axis.dot(off_center);
-        // Balls are as tiles have them.
-        let is_ball = matches!(geometry, ColliderShape::Sphere { .. });
-        let has_axis = geometry.is_axially_symmetric() && !is_ball;
-        if has_axis && off_axis.dot(off_axis) <= (OFF_AXIS * radius) * (OFF_AXIS * radius) {
-            let [_, axis, _] = placement.orientation.axes();
-            let turn = axis.cross(motion.turn);
-            motion.axis_turn = Some(turn.dot(turn).sqrt());
-        }
+        motion.axis_turn = axis_turn(collider, *offset, &placement, &motion);
         let fallen = Vec3::from(drop) * if is_dynamic { scale_of(bodies.gravity_scale, i) } else { 0.0 };
         motion.drop = drop_of(fallen, ccd_thickness);
         let fall = motion.drop.dot(motion.drop).sqrt();
@@ -245,6 +232,30 @@ const TURNED: Real = 0.25;
 
 /// A centre of mass is on an axis that is nearer than this part of the radius.
 const OFF_AXIS: Real = 1e-5;
+
+/// By which angle the axis of a collider at this place turns \[rad\], if that goes through the centre
+/// of mass, which is at `offset` \[m\] in the body's frame.
+fn axis_turn(
+    collider: &Collider,
+    offset: WorldVec3,
+    placement: &Isometry<Real>,
+    &Motion { turn, radius, .. }: &Motion,
+) -> Option<Real> {
+    let geometry = collider.geometry();
+    // Balls are as tiles have them.
+    if matches!(geometry, ColliderShape::Sphere { .. }) || !geometry.is_axially_symmetric() {
+        return None;
+    }
+    // In the body's frame, which knows the distance wherever the body is.
+    let up = Vec3::new(0.0, 1.0, 0.0);
+    let (inner, own_axis) = collider.place().map_or((Vec3::zero(), up), |at| (at.position, at.orientation.rotate(up)));
+    let off_center = inner - Vec3::from(offset);
+    let off_axis = off_center - own_axis * own_axis.dot(off_center);
+    let [_, axis, _] = placement.orientation.axes();
+    let turn = axis.cross(turn);
+    let is_through = off_axis.dot(off_axis) <= (OFF_AXIS * radius) * (OFF_AXIS * radius);
+    is_through.then(|| turn.dot(turn).sqrt())
+}
 
 /// Whether a body stands and is where contacts can be found.
 fn is_somewhere(pose: &Pose, places: [Vec3<Real>; 2]) -> bool {
