@@ -233,8 +233,8 @@ const TURNED: Real = 0.25;
 /// A centre of mass is on an axis that is nearer than this part of the radius.
 const OFF_AXIS: Real = 1e-5;
 
-/// By which angle the axis of a collider at this place turns \[rad\], if that goes through the centre
-/// of mass, which is at `offset` \[m\] in the body's frame.
+/// By which angle the axis of a collider at this place turns \[rad\], if that goes through the
+/// centre of mass, which is at `offset` \[m\] in the body's frame.
 fn axis_turn(
     collider: &Collider,
     offset: WorldVec3,
