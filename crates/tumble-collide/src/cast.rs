@@ -99,7 +99,7 @@ pub(crate) struct Moving<'a> {
     /// Where they are at the beginning.
     pub(crate) start: [Isometry<f64>; 2],
     /// The direction in which they were nearest when that was last sought, as the first has it.
-    pub(crate) near: Cell<Option<Vector>>,
+    near: Cell<Option<Vector>>,
 }
 
 /// Where shapes are when their courses begin.
@@ -182,14 +182,17 @@ impl<'a> Moving<'a> {
             courses[which].off_center() + (reach - layer).max(0.0)
         };
         let radii = [reach(0, layer), reach(1, other_layer)];
-        Self {
-            shapes: [first, second],
-            layers: layer + other_layer,
-            courses,
-            radii,
-            start: starts(courses),
-            near: Cell::default(),
-        }
+        Self::of_cores([first, second], layer + other_layer, courses, (radii, starts(courses)))
+    }
+
+    /// Of what is inside layers, whose sum is `layers` \[m\], with the radii and places of both.
+    pub(crate) fn of_cores(
+        shapes: [Convex<'a>; 2],
+        layers: f64,
+        courses: [&'a Course; 2],
+        (radii, start): ([f64; 2], [Isometry<f64>; 2]),
+    ) -> Self {
+        Self { shapes, layers, courses, radii, start, near: Cell::default() }
     }
 
     /// Whether balls around both pass each other, or a ball around one passes the other, which turn
@@ -211,8 +214,7 @@ impl<'a> Moving<'a> {
         let courses = courses.each_ref();
         let radii = [0, 1].map(|i: usize| if wrapped[i] { 0.0 } else { self.radii[i] });
         let start = [0, 1].map(|i: usize| if wrapped[i] { courses[i].at(0.0) } else { self.start[i] });
-        let moving = Moving { shapes, layers: self.layers + more, courses, radii, start, near: Cell::default() };
-        moving.meet(tolerance, slack).is_none()
+        Moving::of_cores(shapes, self.layers + more, courses, (radii, start)).meet(tolerance, slack).is_none()
     }
 
     /// Where one of them is.

@@ -4,11 +4,11 @@
 //! Why: what is taken for passed is not followed, and goes through.
 
 use proptest::prelude::*;
-use tumble_math::lane::Quat;
 
 use crate::cast::Moving;
 use crate::collider_shape::{ColliderShape, Isometry};
 use crate::course::Course;
+use crate::pair_tests::orientation;
 use crate::support_map::{Convex, Vector, unit};
 
 fn vector(most: f64) -> impl Strategy<Value = Vector> {
@@ -29,14 +29,6 @@ fn shape() -> impl Strategy<Value = ColliderShape<f64>> {
         }),
         (0.1..1.0, 0.1..1.0).prop_map(|(x, y)| ColliderShape::Ellipsoid { radii: Vector::new(x, y, x) }),
     ]
-}
-
-fn orientation() -> impl Strategy<Value = Quat<f64>> {
-    let parts = [-1.0..1.0, -1.0..1.0, -1.0..1.0, -1.0..1.0];
-    parts.prop_filter_map("no axis", |[x, y, z, w]: [f64; 4]| {
-        let quat = Quat { x, y, z, w };
-        (quat.length_squared() > 1e-2).then(|| quat.normalize())
-    })
 }
 
 /// Also such that turn off or do not turn, about points beside the shape.

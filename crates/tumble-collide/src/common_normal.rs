@@ -7,6 +7,7 @@
 use crate::frustum::Frustum;
 use crate::gjk::on_triangle;
 use crate::minkowski::{Difference, Reached};
+use crate::segments::in_box;
 use crate::support_map::{Convex, Vector, unit};
 use crate::underside::axes_across;
 
@@ -30,9 +31,10 @@ const MAX_TURN: f64 = 0.3;
 const BESIDE: f64 = 2e-12;
 /// Of the square of a unit vector.
 const ROUNDING: f64 = 1e-12;
-/// Of a normal that was one a moment ago, the sine to the circle of those of two patches.
+/// A normal that was one a moment ago is of two patches where its cosine is off their circle by no
+/// more than this.
 const RING_WIDTH: f64 = 0.02;
-/// Square of the sine between circles of normals that have no points in common to be found.
+/// Axes of circles, and lines, are parallel where the square of the sine between them is no more.
 const PARALLEL: f64 = 1e-16;
 
 /// A piece of a surface that has one point for each normal.
@@ -233,8 +235,11 @@ pub(crate) fn common_normal(
     search.find(sides, near)
 }
 
-/// Near a unit vector that was a common normal a moment ago.
+/// Near a unit vector that was a common normal a moment ago; `None` where nothing is round.
 pub(crate) fn common_normal_again(shapes: &Difference<'_>, near: Vector) -> Option<CommonNormal> {
+    if !shapes.has_round_core() {
+        return None;
+    }
     let outwards = shapes.turned_back(near * -1.0);
     let sides = Side::near(&shapes.first, near).zip(Side::near(&shapes.second, outwards));
     Search::new(shapes, near).find(sides, near)
@@ -428,9 +433,7 @@ fn on_face(shape: &Convex<'_>, normal: Vector, point: Vector) -> Option<Vector> 
         Convex::Cuboid { half } => {
             let top = half.scale(normal);
             let flat = Vector::new(1.0, 1.0, 1.0) - normal.scale(normal);
-            let within = |x: f64, half: f64| x.max(-half).min(half);
-            let inside = Vector::new(within(point.x, half.x), within(point.y, half.y), within(point.z, half.z));
-            Some(top + inside.scale(flat))
+            Some(top + in_box(point, half).scale(flat))
         }
         Convex::Frustum(frustum) => {
             let radius = frustum.radii[usize::from(normal.y > 0.0)];

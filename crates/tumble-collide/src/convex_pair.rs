@@ -54,7 +54,6 @@ pub(crate) fn approach(shapes: &Difference<'_>, limit: f64) -> Option<Approach> 
 
 /// The same of shapes that had this unit normal a moment ago, in the frame of the first.
 fn approach_again(shapes: &Difference<'_>, near: Option<Vector>, limit: f64) -> Option<Approach> {
-    let near = near.filter(|_| shapes.has_round_core());
     let again = near.and_then(|near| {
         let found = common_normal_again(shapes, near)?;
         // What overlaps has others, of faces that are turned away: worse than the old one.

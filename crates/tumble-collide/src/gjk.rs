@@ -55,7 +55,7 @@ pub(crate) fn nearest(shapes: &Difference<'_>, limit: f64) -> Nearest {
 
 /// The same of shapes that were nearest along a unit vector a moment ago, without a limit.
 pub(crate) fn nearest_again(shapes: &Difference<'_>, near: Option<Vector>) -> Nearest {
-    let again = near.filter(|_| shapes.has_round_core()).and_then(|near| common_normal_again(shapes, near));
+    let again = near.and_then(|near| common_normal_again(shapes, near));
     let reach = |v: Vector| v.dot(v).sqrt();
     match again {
         Some(CommonNormal { normal, separation, on_first })

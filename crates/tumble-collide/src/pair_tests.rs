@@ -75,11 +75,14 @@ fn shape() -> impl Strategy<Value = ColliderShape<f64>> {
     ]
 }
 
-fn turn() -> impl Strategy<Value = Quat<f64>> {
-    let any = [-1.0..1.0, -1.0..1.0, -1.0..1.0, -1.0..1.0].prop_filter_map("no axis", |[x, y, z, w]: [f64; 4]| {
+pub(crate) fn orientation() -> impl Strategy<Value = Quat<f64>> {
+    [-1.0..1.0, -1.0..1.0, -1.0..1.0, -1.0..1.0].prop_filter_map("no axis", |[x, y, z, w]: [f64; 4]| {
         let quat = Quat { x, y, z, w };
         (quat.length_squared() > 1e-2).then(|| quat.normalize())
-    });
+    })
+}
+
+fn turn() -> impl Strategy<Value = Quat<f64>> {
     // As of a body in single precision that was turned back.
     let nearly = (vector(-1.0..1.0), -9.0..-5.0).prop_map(|(v, exponent): (Vector, f64)| {
         let v = v * 10.0_f64.powf(exponent);
@@ -87,7 +90,7 @@ fn turn() -> impl Strategy<Value = Quat<f64>> {
     });
     let half = std::f64::consts::FRAC_1_SQRT_2;
     prop_oneof![
-        3 => any,
+        3 => orientation(),
         1 => nearly,
         1 => Just(Quat { x: 0.0, y: 0.0, z: 0.0, w: 1.0 }),
         1 => Just(Quat { x: 0.0, y: half, z: 0.0, w: half }),

@@ -2,8 +2,6 @@
 
 use tumble_math::lane::Lane;
 
-use std::cell::Cell;
-
 use crate::aabb::Aabb;
 use crate::cast::{Gap, Moving, furthest_from_origin, starts};
 use crate::collider_shape::{ColliderShape, Isometry};
@@ -171,7 +169,7 @@ fn of_core<R: Scalar>(
             let radii = [courses[0].off_center() + (reach - layer).max(0.0), radius];
             let shapes = [convex, core.convex];
             let layers = layer + core.layer;
-            let moving = Moving { shapes, layers, courses, radii, start: starts(courses), near: Cell::default() };
+            let moving = Moving::of_cores(shapes, layers, courses, (radii, starts(courses)));
             end_at_shape(&moving, &core, layer)
         }
     }
@@ -351,7 +349,7 @@ fn end_at_surface(surface: &impl Surface, core: &Core<'_>, courses: [&Course; 2]
         if surface.normal(triangle).dot(middle - corners[0]) > 0.0 {
             let radii = [courses[0].off_center() + furthest_from_origin(corners), radius];
             let shapes = [Convex::Triangle(corners), core.convex];
-            let moving = Moving { shapes, layers: core.layer, courses, radii, start, near: Cell::default() };
+            let moving = Moving::of_cores(shapes, core.layer, courses, (radii, start));
             end = end.first(end_at_shape(&moving, core, 0.0));
         }
         end.until()

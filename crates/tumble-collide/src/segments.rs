@@ -67,7 +67,7 @@ fn nearer(a: (Vector, Vector), b: (Vector, Vector)) -> (Vector, Vector) {
 }
 
 /// The point of a box about the origin that is nearest to another.
-fn in_box(point: Vector, half: Vector) -> Vector {
+pub(crate) fn in_box(point: Vector, half: Vector) -> Vector {
     let within = |x: f64, half: f64| x.max(-half).min(half);
     Vector::new(within(point.x, half.x), within(point.y, half.y), within(point.z, half.z))
 }

@@ -1,7 +1,5 @@
 //! When a convex shape on its way meets a surface of triangles.
 
-use std::cell::Cell;
-
 use crate::aabb::Aabb;
 use crate::cast::{Advance, Meeting, Moving, furthest_from_origin, starts};
 use crate::collider_shape::{ColliderShape, Isometry};
@@ -69,7 +67,7 @@ impl<'a, S: Surface> OnSurface<'a, S> {
     fn moving(&self, corners: [Vector; 3]) -> Moving<'a> {
         let radii = [self.courses[0].off_center() + furthest_from_origin(corners), self.radius];
         let shapes = [Convex::Triangle(corners), self.convex];
-        Moving { shapes, layers: self.layer, courses: self.courses, radii, start: self.start, near: Cell::default() }
+        Moving::of_cores(shapes, self.layer, self.courses, (radii, self.start))
     }
 
     /// The first meeting with any of these triangles.

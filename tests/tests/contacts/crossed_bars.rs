@@ -30,7 +30,7 @@ fn listed_twice(simulation: &Simulation, near: Real) -> usize {
     (1..all.len()).filter(|later| all[..*later].iter().any(|it| is_same(it, &all[*later]))).count()
 }
 
-/// Bumps of a tenth of half the length, ten to it.
+/// Bumps of a tenth of half the length, in cells of three tenths of it.
 fn rough_ground(world: &mut World, half: f64, material: Material, draw: &mut Draw) {
     let heights: Vec<f64> = (0..48 * 48).map(|_| draw.between(-0.1, 0.0) * half).collect();
     let field = Collider::height_field(&heights, 48, [0.3 * half; 2]).unwrap();
