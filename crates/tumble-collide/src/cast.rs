@@ -86,6 +86,9 @@ pub enum Follow {
     Bodies,
     /// With the centres of mass, as those of what is round: it turns under them.
     Centers,
+    /// With the second body's centre of mass, and separations grow backwards in time by the
+    /// velocities with which the points meet: as the two move straight on and turn at an even rate.
+    Velocities,
 }
 
 /// Two convex shapes on their ways.
@@ -388,7 +391,7 @@ fn narrow_placement<R: Scalar>(at: &Isometry<f64>) -> Isometry<R> {
 /// A manifold of some moment, as it lies when the interval begins.
 fn laid_back<R: Scalar>(manifold: &Manifold<R>, courses: [&Course; 2], moment: f64, follow: Follow) -> Manifold<R> {
     let turns = follow == Follow::Bodies;
-    let carried: f64 = manifold.carried.into();
+    let carried: f64 = if follow == Follow::Velocities { 1.0 } else { manifold.carried.into() };
     let normal = crate::support_map::wide(manifold.normal);
     // The normal turns with what does not carry the points.
     let reference = courses[usize::from(carried < 0.5 - 1e-3)];
@@ -399,7 +402,8 @@ fn laid_back<R: Scalar>(manifold: &Manifold<R>, courses: [&Course; 2], moment: f
         let half = normal * (0.5 * separation);
         let on_first = courses[0].back(middle - half, moment, turns);
         let on_second = courses[1].back(middle + half, moment, turns);
-        let apart = before.dot(on_second - on_first);
+        let turning = if follow == Follow::Velocities { turning_speed(courses, moment, middle, normal) } else { 0.0 };
+        let apart = before.dot(on_second - on_first) - turning * moment;
         // What swings around may begin behind the plane that it meets.
         let separation = if moment > 0.0 { apart.max(0.0) } else { apart };
         let half = before * (0.5 * separation);
@@ -410,5 +414,14 @@ fn laid_back<R: Scalar>(manifold: &Manifold<R>, courses: [&Course; 2], moment: f
             feature: point.feature,
         });
     }
-    Manifold::new(narrow(before), manifold.carried, points)
+    Manifold::new(narrow(before), R::splat(carried), points)
+}
+
+/// How fast two bodies that turn part at a point, along a normal, but for how their centres move.
+fn turning_speed(courses: [&Course; 2], moment: f64, point: Vector, normal: Vector) -> f64 {
+    let [first, second] = courses.map(|course| {
+        let arm = point - course.center_and_turn(moment).0;
+        course.angular().cross(arm)
+    });
+    normal.dot(second - first)
 }

@@ -250,7 +250,7 @@ const CENTERS: usize = NAMES + 2 * 8 + 4;
 const LOADS: usize = CENTERS + 3 * 3 * NUMBER;
 const RESTS: usize = LOADS + 3 * 8;
 const CONTACTS: usize = RESTS + 3 * NUMBER;
-const CONTACT: usize = 16 + 15 * NUMBER;
+const CONTACT: usize = 16 + 18 * NUMBER;
 const POINTS: usize = CONTACTS + 2 * CONTACT;
 const POINT: usize = 4 + 5 * NUMBER;
 
@@ -322,7 +322,7 @@ fn impossible_contacts_are_refused() {
             assert_eq!(error(CENTERS + body * 3 * NUMBER, &bad), SnapshotError::ContactBody { body });
         }
         for contact in 0..2 {
-            for i in 0..15 {
+            for i in 0..18 {
                 let found = error(CONTACTS + contact * CONTACT + 16 + i * NUMBER, &bad);
                 assert_eq!(found, defect(contact, ContactDefect::NotFinite));
             }

@@ -24,6 +24,7 @@ mod hits;
 mod kept_layout;
 mod lost_loads;
 mod oblique_bounce;
+mod oblique_hits;
 #[path = "../shared/pile/mod.rs"]
 mod pile;
 mod queries;

@@ -33,11 +33,26 @@ pub(crate) struct ContactRecord {
     pub(crate) core_radius: Real,
     /// How the surface of the first body moves on it, less that of the second \[m/s\], world frame.
     pub(crate) surface_velocity: Vec3<Real>,
+    /// Of bodies that meet later in the step.
+    pub(crate) meeting: MeetingPlace,
     /// How fast the points came together when the bodies did not touch yet \[m/s\].
     pub(crate) closing_speed: Real,
     /// Along the normal, over all contact substeps, and before those in this step \[N s\].
     pub(crate) total_impulse: Real,
     pub(crate) earlier_impulse: Real,
+}
+
+/// Where and when the bodies of a contact meet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MeetingPlace {
+    /// The second body's centre of mass from the first's then \[m\].
+    pub(crate) apart: Vec3<Real>,
+    /// Since the step began \[s\].
+    pub(crate) time: Real,
+}
+
+impl MeetingPlace {
+    pub(crate) const NONE: Self = Self { apart: Vec3 { x: 0.0, y: 0.0, z: 0.0 }, time: 0.0 };
 }
 
 /// The kind of a contact's shapes, both slots, the lower first, and the part, in one number.
@@ -88,8 +103,10 @@ pub(crate) enum UpdateRule {
     /// Of a ball about its centre of mass on a plane that does not turn: nothing changes.
     Constant,
     /// Of two balls that meet later in the step, one of which is not dynamic or that meet nothing
-    /// else that is free: the normal is the one that they meet with.
+    /// else that is free: the normal and the arms are those that they meet with.
     MeetingCenters,
+    /// The same of other shapes.
+    Meeting,
     /// Of a ball or a capsule, the second body, on a plane that does not turn: points of its centre
     /// or axis are fixed to it, and its surface is before them along the normal.
     RoundOnFlat,
@@ -121,6 +138,7 @@ impl ContactRecord {
         friction: WorldFriction::ZERO,
         core_radius: 0.0,
         surface_velocity: Vec3 { x: 0.0, y: 0.0, z: 0.0 },
+        meeting: MeetingPlace::NONE,
         closing_speed: 0.0,
         total_impulse: 0.0,
         earlier_impulse: 0.0,
@@ -191,7 +209,7 @@ impl ContactRecord {
     pub(crate) fn begin(&mut self, kind: LaneKind) {
         (self.kind, self.part, self.touched) = (kind, 0, false);
         (self.closing_speed, self.total_impulse, self.earlier_impulse) = (0.0, 0.0, 0.0);
-        self.core_radius = 0.0;
+        (self.core_radius, self.meeting) = (0.0, MeetingPlace::NONE);
         self.drop_impulses();
         let impulses = &mut self.normal_impulses;
         (impulses.steady, impulses.static_friction, impulses.dynamic_friction) = (1.0, 0.0, 0.0);
@@ -256,9 +274,15 @@ impl ContactRecord {
         self.has_rule(UpdateRule::LineOfCenters)
     }
 
-    /// Whether it is that of balls about their centres of mass which meet later in the step.
-    pub(crate) fn is_of_meeting_centers(&self) -> bool {
-        self.has_rule(UpdateRule::MeetingCenters)
+    /// Whether its bodies meet later in the step, with the arms that it has.
+    pub(crate) fn is_of_meeting(&self) -> bool {
+        self.has_rule(UpdateRule::MeetingCenters) || self.has_rule(UpdateRule::Meeting)
+    }
+
+    /// The second body's centre of mass from the first's as its arms have it, which is this when
+    /// the step begins \[m\].
+    pub(crate) fn apart(&self, begin: Vec3<Real>) -> Vec3<Real> {
+        if self.meeting == MeetingPlace::NONE { begin } else { self.meeting.apart }
     }
 
     fn has_rule(&self, rule: UpdateRule) -> bool {
@@ -316,7 +340,7 @@ impl ContactRecord {
 
     /// How far the first body moves past the second at a point, where they go on like this \[m\].
     fn passing(&self, j: usize, [first, second]: [&ColliderState; 2]) -> Vec3<Real> {
-        let (arm, apart) = (self.place(j), second.center - first.center);
+        let (arm, apart) = (self.place(j), self.apart(second.center - first.center));
         let way = |state: &ColliderState, arm: Vec3<Real>| state.motion.way + state.motion.turn.cross(arm);
         way(first, arm + apart) - way(second, arm)
     }

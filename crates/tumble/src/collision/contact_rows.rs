@@ -139,6 +139,19 @@ impl<'a> ContactLanes<'a> {
         vector_at(&lanes, 0)
     }
 
+    /// The second body's centre of mass from the first's when they meet \[m\].
+    #[inline(always)]
+    pub(crate) fn met_apart<T: Tile>(&self) -> Vec3<T> {
+        let mut lanes = [[0.0; BLOCK]; 3];
+        let mut i = 0;
+        while i < T::WIDTH {
+            let Vec3 { x, y, z } = self.0[i].meeting.apart;
+            [lanes[0][i], lanes[1][i], lanes[2][i]] = [x, y, z];
+            i += 1;
+        }
+        vector_at(&lanes, 0)
+    }
+
     #[inline(always)]
     pub(crate) fn friction<T: Tile>(&self) -> WorldFriction<T> {
         let mut rows = [WorldFriction::zero(); BLOCK];

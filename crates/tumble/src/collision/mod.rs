@@ -29,6 +29,7 @@ pub(crate) mod islands;
 pub(crate) mod jointed_reach;
 pub(crate) mod lost_momentum;
 pub(crate) mod material;
+pub(crate) mod met_contacts;
 pub(crate) mod narrow_phase;
 pub(crate) mod near_pairs;
 pub(crate) mod pair_limit;

@@ -5,10 +5,10 @@ use crate::collision::contact::ContactRecord;
 use crate::collision::contact_ways::{Way, nearest};
 use crate::storage::body_index::Slot;
 
-/// How many contacts with other free bodies each body has, by slot. Empty where no free balls meet
-/// that have to be followed.
+/// By slot, how many contacts with other free bodies each body has, and whether joints hold it.
+/// Empty where no bodies meet that have to be followed.
 #[derive(Clone, Default)]
-pub(crate) struct Partners(Vec<u8>);
+pub(crate) struct Partners(Vec<(u8, bool)>);
 
 impl Partners {
     /// Counts those of contacts. Bodies that joints hold, or that something else stops, have many.
@@ -23,16 +23,13 @@ impl Partners {
         counts.clear();
         let is_free = |slot: &Slot| states[slot.index()].is_dynamic;
         let are_free = |contact: &ContactRecord| contact.slots.iter().all(is_free);
-        let is_followed = |(contact, way): (&ContactRecord, &Way)| {
-            !matches!(way, Way::Plain | Way::Passed) && contact.is_between_centers() && are_free(contact)
-        };
-        if !contacts.iter().zip(ways).any(is_followed) {
+        if ways.iter().all(|way| matches!(way, Way::Plain | Way::Passed)) {
             return;
         }
-        counts.resize(states.len(), 0);
+        counts.resize(states.len(), (0, false));
         for slot in jointed {
-            if let Some(count) = counts.get_mut(slot.index()) {
-                *count = u8::MAX;
+            if let Some(body) = counts.get_mut(slot.index()) {
+                *body = (u8::MAX, true);
             }
         }
         for (contact, _) in contacts.iter().zip(ways).filter(|(_, way)| **way != Way::Passed) {
@@ -42,7 +39,8 @@ impl Partners {
                 false => u8::MAX,
             };
             for slot in contact.slots {
-                counts[slot.index()] = counts[slot.index()].saturating_add(more);
+                let (count, _) = &mut counts[slot.index()];
+                *count = count.saturating_add(more);
             }
         }
     }
@@ -50,7 +48,11 @@ impl Partners {
     /// Whether two free bodies have contacts with no free body but each other, and nothing else
     /// stops them.
     pub(crate) fn are_alone(&self, pair: [Slot; 2]) -> bool {
-        pair.iter().all(|slot| self.0.get(slot.index()) == Some(&1))
+        pair.iter().all(|slot| self.0.get(slot.index()) == Some(&(1, false)))
+    }
+
+    pub(crate) fn is_jointed(&self, slot: Slot) -> bool {
+        self.0.get(slot.index()).is_some_and(|(_, is_jointed)| *is_jointed)
     }
 }
 

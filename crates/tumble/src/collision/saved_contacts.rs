@@ -56,6 +56,8 @@ pub(crate) struct SavedContact {
     /// How fast they came together, and the impulse along the normal over the step \[m/s\] \[N s\].
     pub(crate) closing_speed: Real,
     pub(crate) impulse_of_step: Real,
+    /// The second body's centre of mass from the first's where they met later in the step \[m\].
+    pub(crate) met_apart: Vec3<Real>,
     pub(crate) points: [SavedPoint; MAX_MANIFOLD_POINTS],
     /// How many points there are.
     pub(crate) count: usize,
@@ -93,14 +95,17 @@ impl SavedPoint {
 
 impl SavedContact {
     /// How many numbers a contact has in a file, but for its points.
-    pub(crate) const NUMBERS: usize = 15;
+    pub(crate) const NUMBERS: usize = 18;
     pub(crate) const MAX_HALVINGS: u8 = MAX_HALVINGS;
 
     /// In the order of a file.
     pub(crate) fn numbers(&self) -> [Real; Self::NUMBERS] {
         let Self { normal: n, friction: [p, l], steady, gap_share, margin, halvings, .. } = *self;
-        let impact = [self.closing_speed, self.impulse_of_step];
-        [n.x, n.y, n.z, p.x, p.y, p.z, l.x, l.y, l.z, steady, gap_share, margin, halvings, impact[0], impact[1]]
+        let (speed, impulse, a) = (self.closing_speed, self.impulse_of_step, self.met_apart);
+        [
+            n.x, n.y, n.z, p.x, p.y, p.z, l.x, l.y, l.z, steady, gap_share, margin, halvings, speed, impulse, a.x, a.y,
+            a.z,
+        ]
     }
 
     /// Of this many points, which are to be set.
@@ -110,8 +115,8 @@ impl SavedContact {
         numbers: [Real; Self::NUMBERS],
         count: usize,
     ) -> Self {
-        let [nx, ny, nz, px, py, pz, lx, ly, lz, steady, gap_share, margin, halvings, closing_speed, impulse_of_step] =
-            numbers;
+        let [nx, ny, nz, px, py, pz, lx, ly, lz, rest @ ..] = numbers;
+        let [steady, gap_share, margin, halvings, closing_speed, impulse_of_step, ax, ay, az] = rest;
         Self {
             bodies,
             part,
@@ -124,6 +129,7 @@ impl SavedContact {
             halvings,
             closing_speed,
             impulse_of_step,
+            met_apart: Vec3::new(ax, ay, az),
             points: [SavedPoint::NONE; MAX_MANIFOLD_POINTS],
             count,
         }
@@ -227,6 +233,7 @@ impl ContactRecord {
             halvings: Real::from(self.halvings()),
             closing_speed: self.closing_speed,
             impulse_of_step: self.impulse_of_step(),
+            met_apart: self.meeting.apart,
             points,
             count: self.count(),
         }
@@ -239,6 +246,7 @@ impl ContactRecord {
         (contact.geometry.normal, contact.geometry.count) = (saved.normal, saved.count as Real);
         (contact.normal_impulses.steady, contact.normal_impulses.gap_share) = (steady, gap_share);
         contact.friction = WorldFriction { linear, angular, margin, halvings };
+        contact.meeting.apart = saved.met_apart;
         (contact.closing_speed, contact.total_impulse) = (saved.closing_speed, saved.impulse_of_step);
         for (j, point) in saved.points.iter().enumerate().take(saved.count) {
             let pair = &mut contact.points[j / 2];

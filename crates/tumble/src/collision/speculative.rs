@@ -5,13 +5,13 @@
 //! out, and what is beside counts.
 
 use rayon::prelude::*;
-use tumble_collide::{ColliderShape, Course, Follow, Manifold, Meeting};
+use tumble_collide::{ColliderShape, Course, Meeting};
 use tumble_math::lane::Vec3;
 
 use crate::collision::collider_state::ColliderState;
 use crate::collision::compound_parts::numbers;
-use crate::collision::contact::{ContactKey, ContactRecord, Second, UpdateRule};
-use crate::collision::contact_ways::{SAME_NORMAL, Way, least_margin, length, nearest, stays_round};
+use crate::collision::contact::ContactRecord;
+use crate::collision::contact_ways::{Way, least_margin, nearest, stays_round};
 use crate::collision::narrow_phase::LaneKind;
 use crate::collision::partners::Partners;
 use crate::collision::pipeline::{Colliders, CollisionPipeline, PART};
@@ -20,19 +20,12 @@ use crate::math::Real;
 use crate::storage::body_index::Slot;
 use crate::threads::InParts;
 
-/// Surfaces nearer than this part of their margin meet, but than no more than the smaller body's.
-const MEETING: Real = 0.25;
+/// Surfaces nearer than this part of their margin meet, but than no more than the smaller body's:
+/// what is beside a face or an edge has another normal a little later.
+const MEETING: Real = 2e-3;
 /// And balls where they are nearer than this part of their radii: on the way from there to where
 /// they touch the line of their centres turns.
 const MEETING_OF_BALLS: f64 = 1e-7;
-/// A contact is as it was found where, until they meet, the bodies go past each other by less than
-/// this many margins, its normal is the same, ...
-const BESIDE: f64 = 10.0;
-/// ... and its plane to this part of the margin.
-const SAME_PLANE: f64 = 0.05;
-/// Contact points stay where they are on a body that turns by less \[rad\] about axes other than
-/// its axis of symmetry.
-const ROLLS: Real = 0.2;
 /// How often a body may be stopped in a step and slide on along the obstacle.
 const ROUNDS: usize = 3;
 /// Slower than this part of the way they go they do not approach what they go along.
@@ -41,33 +34,33 @@ const ALONG: f64 = 1e-6;
 const FEW: usize = 4;
 
 /// Two parts of two bodies that may meet.
-struct Encounter<'a> {
-    slots: [Slot; 2],
-    kind: LaneKind,
+pub(crate) struct Encounter<'a> {
+    pub(crate) slots: [Slot; 2],
+    pub(crate) kind: LaneKind,
     /// Numbers of the parts, and what they are.
-    numbers: [u32; 2],
-    shapes_of_pair: [&'a ColliderShape<Real>; 2],
+    pub(crate) numbers: [u32; 2],
+    pub(crate) shapes_of_pair: [&'a ColliderShape<Real>; 2],
     /// Of the parts in the bodies' colliders.
-    inner: [tumble_collide::Isometry<Real>; 2],
+    pub(crate) inner: [tumble_collide::Isometry<Real>; 2],
     /// Of a half-space, which has an end nowhere: when its plane is met.
-    plane: Option<Meeting>,
-    meetings: Vec<Meeting>,
+    pub(crate) plane: Option<Meeting>,
+    pub(crate) meetings: Vec<Meeting>,
 }
 
 /// A body on its way.
-struct Traveller {
-    slot: Slot,
-    course: Course,
+pub(crate) struct Traveller {
+    pub(crate) slot: Slot,
+    pub(crate) course: Course,
     /// Outward normals of what has stopped it.
-    stops: Vec<Vec3<f64>>,
-    turned_off: f64,
+    pub(crate) stops: Vec<Vec3<f64>>,
+    pub(crate) turned_off: f64,
 }
 
 impl CollisionPipeline {
     /// Goes along the ways of bodies that are about to get through the plane of a contact, under
     /// gravity that takes them so far \[m\] in a step, of which substeps are this part.
     pub(crate) fn limit_speculative(&mut self, (fall, substep): (Real, Real), joints: &JointList) {
-        let Self { contacts, collider_states, colliders, ways, partners, .. } = self;
+        let Self { contacts, collider_states, colliders, ways, partners, ahead, .. } = self;
         let contacts = &mut contacts.records;
         let states = &collider_states.states[..];
         let radius = |slot: Slot| colliders.get(slot).map_or(0.0, |(it, _)| radius_of_curvature(it.geometry()));
@@ -93,7 +86,7 @@ impl CollisionPipeline {
         }
         let mut encounters = encounters((contacts, ways), colliders, states);
         let mut travellers = travellers(&encounters, states);
-        let view = View { states, colliders, fall, partners };
+        let view = View { states, colliders, fall, partners, ahead: *ahead };
         view.meet(&mut encounters, &travellers);
         let held = held_already((contacts, ways), &travellers, states);
         for _ in 0..ROUNDS {
@@ -170,11 +163,11 @@ fn radius_of_curvature(shape: &ColliderShape<Real>) -> Real {
     }
 }
 
-fn is_surface(geometry: &ColliderShape<Real>) -> bool {
+pub(crate) fn is_surface(geometry: &ColliderShape<Real>) -> bool {
     matches!(geometry, ColliderShape::Mesh(_) | ColliderShape::HeightField(_))
 }
 
-fn normal(contact: &ContactRecord) -> Vec3<f64> {
+pub(crate) fn normal(contact: &ContactRecord) -> Vec3<f64> {
     wide(contact.geometry.normal)
 }
 
@@ -231,7 +224,7 @@ fn linear(travellers: &[Traveller], states: &[ColliderState], slot: Slot, moment
     }
 }
 
-fn wide(v: Vec3<Real>) -> Vec3<f64> {
+pub(crate) fn wide(v: Vec3<Real>) -> Vec3<f64> {
     Vec3::new(v.x.into(), v.y.into(), v.z.into())
 }
 
@@ -302,19 +295,21 @@ fn turn_off(
 }
 
 /// The states and colliders of the bodies.
-struct View<'a> {
-    states: &'a [ColliderState],
-    colliders: &'a Colliders,
-    fall: Real,
-    partners: &'a Partners,
+pub(crate) struct View<'a> {
+    pub(crate) states: &'a [ColliderState],
+    pub(crate) colliders: &'a Colliders,
+    pub(crate) fall: Real,
+    pub(crate) partners: &'a Partners,
+    /// The time in which they go their ways \[s\].
+    pub(crate) ahead: Real,
 }
 
 impl View<'_> {
-    fn margin(&self, slots: [Slot; 2]) -> Real {
+    pub(crate) fn margin(&self, slots: [Slot; 2]) -> Real {
         slots.iter().fold(0.0, |sum, slot| sum + self.states[slot.index()].margin)
     }
 
-    fn courses(&self, encounter: &Encounter<'_>, travellers: &[Traveller]) -> [Course; 2] {
+    pub(crate) fn courses(&self, encounter: &Encounter<'_>, travellers: &[Traveller]) -> [Course; 2] {
         let course = |which: usize| {
             let traveller = &travellers[find(travellers, encounter.slots[which])];
             traveller.course.of_part(&encounter.inner[which])
@@ -365,106 +360,6 @@ impl View<'_> {
             }
         });
     }
-
-    /// Adds the contacts of an encounter; those there were `before` stay where they hold as well,
-    /// and so do the first contacts, as many as are `plain`.
-    fn add(
-        &self,
-        encounter: &Encounter<'_>,
-        travellers: &[Traveller],
-        (before, plain): (&[ContactRecord], usize),
-        contacts: &mut Vec<ContactRecord>,
-    ) {
-        let Encounter { slots, kind, shapes_of_pair, .. } = encounter;
-        let states = slots.map(|slot| &self.states[slot.index()]);
-        let [Some((a, _)), Some((b, _))] = slots.map(|slot| self.colliders.get(slot)) else { return };
-        let [first, second] = self.courses(encounter, travellers);
-        let (margin, parts) = (self.margin(*slots), b.geometry().parts());
-        let from = contacts.len();
-        let pair = ContactKey::new(*kind, *slots, 0);
-        let before = &before[before.partition_point(|known| known.key() < pair)..];
-        let before = before.iter().take_while(|known| known.slots == *slots);
-        // Of the parts' contacts, of which a surface has one a triangle.
-        let is_theirs = |known: &ContactRecord| {
-            let [on_first, on_second] = numbers(known.part, parts);
-            [a.geometry().part_of(on_first).0, b.geometry().part_of(on_second).0] == encounter.numbers
-        };
-        if encounter.plane.is_some() {
-            contacts.extend(before.filter(|known| is_theirs(known)).cloned());
-            return;
-        }
-        let follow = self.follow(encounter);
-        let of_second = Second { center: states[1].center, has_non_dynamic: !states[0].is_dynamic, margin };
-        let are_balls = before.clone().any(ContactRecord::is_between_centers);
-        let rule = self.update_rule(*slots, (follow, are_balls));
-        // Once they have met, what is behind comes down on the same plane.
-        let reach = states[0].reach + states[1].reach;
-        let mut is_shown = false;
-        for met in &encounter.meetings {
-            let least = margin + crate::math::real(met.distance.clamp(0.0, f64::from(reach)));
-            let way = second.gone(met.moment) - first.gone(met.moment);
-            // Of a surface only some triangles are met; the nearest points of others need not be
-            // over a face.
-            let near = if shapes_of_pair.iter().any(|it| is_surface(it)) { least } else { Real::INFINITY };
-            met.manifolds(
-                *shapes_of_pair,
-                [&first, &second],
-                [near, reach.max(least)],
-                follow,
-                &mut |part, manifold| {
-                    let [on_first, on_second] = numbers(part, shapes_of_pair[1].parts());
-                    let of_first = (encounter.numbers[0] + on_first).wrapping_mul(parts);
-                    let part = of_first.wrapping_add(encounter.numbers[1] + on_second);
-                    let is_there = |known: &ContactRecord| known.slots == *slots && known.part == part;
-                    let key = ContactKey::new(*kind, *slots, part);
-                    let stays = contacts[..plain].binary_search_by_key(&key, ContactRecord::key).is_ok();
-                    is_shown |= stays;
-                    if stays || !a.parts_touch(b, part) || contacts[from..].iter().any(is_there) {
-                        return;
-                    }
-                    let known = before.clone().find(|known| is_there(known));
-                    let same = known
-                        .filter(|known| !known.is_between_centers() && met.is_hit && is_same(known, manifold, way));
-                    contacts.push(match same {
-                        Some(known) => known.clone(),
-                        None => {
-                            ContactRecord { kind: *kind, ..ContactRecord::new(*slots, part, manifold, of_second, rule) }
-                        }
-                    });
-                },
-            );
-            if contacts.len() == from && met.is_hit && !is_shown {
-                contacts.extend(before.clone().filter(|known| is_theirs(known)).cloned());
-            }
-        }
-    }
-
-    /// How contacts of an encounter are updated within the step.
-    fn update_rule(&self, slots: [Slot; 2], (follow, are_balls): (Follow, bool)) -> UpdateRule {
-        // Impulses before two meet act in one point, or angular momentum would be lost that only
-        // two that are alone get back.
-        let are_both_free = slots.iter().all(|slot| self.states[slot.index()].is_dynamic);
-        let keeps_centers = !are_both_free || self.partners.are_alone(slots);
-        match follow {
-            Follow::Centers if are_balls && keeps_centers => UpdateRule::MeetingCenters,
-            Follow::Centers => UpdateRule::Constant,
-            Follow::Bodies => UpdateRule::BodyFixed,
-        }
-    }
-
-    /// A body that rolls turns under its points.
-    fn follow(&self, encounter: &Encounter<'_>) -> Follow {
-        let rolls = |which: usize| {
-            let ColliderState { motion, placement, .. } = &self.states[encounter.slots[which].index()];
-            let turn = motion.turn;
-            let is_round = encounter.shapes_of_pair[which].is_round();
-            let [_, axis, _] = placement.orientation.axes();
-            let about_others = turn - axis * axis.dot(turn);
-            let ball = matches!(encounter.shapes_of_pair[which], ColliderShape::Sphere { .. });
-            is_round && (ball || length(about_others) <= ROLLS)
-        };
-        if rolls(0) || rolls(1) { Follow::Centers } else { Follow::Bodies }
-    }
 }
 
 /// The meeting of balls in the moment when they touch, from shortly before.
@@ -481,16 +376,4 @@ fn touching(met: Meeting, [first, second]: [&Course; 2], radii: f64) -> Meeting 
     let moment = (met.moment + c / (b + root.sqrt())).clamp(0.0, 1.0);
     let between = apart + way * (moment - met.moment);
     Meeting { moment, distance: 0.0, normal: between * (1.0 / radii), is_hit: true }
-}
-
-/// Whether a contact has the plane that the bodies meet with, after one has gone this way past the
-/// other.
-fn is_same(known: &ContactRecord, manifold: &Manifold<Real>, way: Vec3<f64>) -> bool {
-    let (before, now, margin) = (normal(known), wide(manifold.normal), f64::from(known.margin()));
-    let (turned, across) = (before.cross(now), way - now * now.dot(way));
-    let (turned, across) = (turned.dot(turned).sqrt(), across.dot(across).sqrt());
-    before.dot(now) > 0.0
-        && across <= BESIDE * margin
-        && turned <= SAME_NORMAL
-        && turned * across <= SAME_PLANE * margin
 }

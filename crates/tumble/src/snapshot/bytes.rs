@@ -63,10 +63,10 @@ const UNIT_TOLERANCE: f64 = 1e-3;
 
 impl Snapshot {
     /// The version of the format of [`to_bytes`](Self::to_bytes).
-    pub const VERSION: u32 = 8;
+    pub const VERSION: u32 = 9;
 
     /// The snapshot as bytes for a file or a peer: 152 bytes and 60 a body in single precision, 112
-    /// in double, with up to 168 or 304 a contact, 32 or 48 a body that has any, that joints
+    /// in double, with up to 180 or 328 a contact, 32 or 48 a body that has any, that joints
     /// load or that is still, 32 or 56 a joint in passes, and 9 a breakable joint. Bodies are in
     /// the order of their [`BodyId`]s, so the same state gives the same bytes, whatever the order
     /// they were spawned in.

@@ -42,11 +42,11 @@ impl HalvedGroup {
         group.contact_works.copy(&all.contact_works, |row| place(places, row), these);
         group.rounds.clear();
         group.rounds.extend(all.rounds.extract_if(.., |round| is_here(round.number())));
-        group.ball_collisions.clear();
-        group.ball_collisions.extend(all.ball_collisions.extract_if(.., |collision| is_here(collision.number)));
+        group.free_collisions.clear();
+        group.free_collisions.extend(all.free_collisions.extract_if(.., |collision| is_here(collision.number)));
         let here = |all: [SolverRow; 2]| all.map(|row| places[row.index()]);
         group.rounds.iter_mut().for_each(|round| round.rows = here(round.rows));
-        group.ball_collisions.iter_mut().for_each(|collision| collision.rows = here(collision.rows));
+        group.free_collisions.iter_mut().for_each(|collision| collision.rows = here(collision.rows));
         group.contacts.iter_mut().for_each(|contact| contact.rows = here(contact.rows));
     }
 

@@ -6,7 +6,7 @@ use crate::collision::contact_materials::Extras;
 use crate::collision::contact_set::ContactSet;
 use crate::math::Real;
 use crate::settings::Settings;
-use crate::solver::contact::ball_collision::BallCollision;
+use crate::solver::contact::free_collision::FreeCollision;
 use crate::solver::contact::restitution::SubstepMoment;
 use crate::solver::contact::round_contacts::RoundConstraint;
 use crate::solver::contact_work::ContactWorks;
@@ -43,7 +43,7 @@ pub(crate) struct SolverGroup {
     pub(crate) contact_works: ContactWorks,
     /// Contacts that are found again in each substep.
     pub(crate) rounds: Vec<RoundConstraint>,
-    pub(crate) ball_collisions: Vec<BallCollision>,
+    pub(crate) free_collisions: Vec<FreeCollision>,
     pub(crate) contacts: Vec<GroupContact>,
     constraints: ContactConstraints,
     direct: DirectGroup,
@@ -80,13 +80,13 @@ pub(crate) struct SubstepSettings {
 impl Solver {
     /// Makes room for dynamic bodies, and for others.
     pub(crate) fn reset(&mut self, [dynamic, non_dynamic]: [usize; 2]) {
-        let SolverGroup { bodies, contact_works, rounds, ball_collisions, contacts, direct, joints, .. } =
+        let SolverGroup { bodies, contact_works, rounds, free_collisions, contacts, direct, joints, .. } =
             &mut self.group;
         direct.clear();
         joints.clear();
         contact_works.clear();
         rounds.clear();
-        ball_collisions.clear();
+        free_collisions.clear();
         contacts.clear();
         bodies.reset(dynamic, non_dynamic);
         self.halvings.clear();
@@ -108,7 +108,7 @@ impl Solver {
         first_rows: [usize; 2],
     ) -> [usize; 2] {
         let Self { group, halvings, stacks, stale, .. } = self;
-        let SolverGroup { bodies, contact_works, rounds, ball_collisions, contacts: all, direct, joints, .. } = group;
+        let SolverGroup { bodies, contact_works, rounds, free_collisions, contacts: all, direct, joints, .. } = group;
         let results = (&mut *bodies, contact_works);
         let next_rows = gather(constraints, body_index, columns, inputs, results, first_rows);
         let Constraints { bodies: constrained, contacts, mechanisms, pairs } = constraints;
@@ -134,8 +134,8 @@ impl Solver {
         }));
         all.extend((first..).zip(&*records).map(|(number, contact)| {
             let rows = constrained.rows_of(contact.slots);
-            if contact.is_of_meeting_centers() {
-                ball_collisions.extend(BallCollision::new(number, contact, rows, bodies));
+            if contact.is_of_meeting() {
+                free_collisions.extend(FreeCollision::new(number, contact, rows, bodies));
             }
             GroupContact { number, rows }
         }));
@@ -231,7 +231,7 @@ impl SolverGroup {
         let mut mechanisms = mechanisms.filter(|mechanisms| mechanisms.are_touched());
         let solve = SolverStage::solve(h, impact_speed);
         self.begin(all, extras, mechanisms.as_deref_mut());
-        let Self { bodies, contact_works, rounds, ball_collisions, constraints, direct, joints, energy_bounds, .. } =
+        let Self { bodies, contact_works, rounds, free_collisions, constraints, direct, joints, energy_bounds, .. } =
             self;
         for substep in 0..substeps {
             contact_works.before_forces(bodies);
@@ -239,7 +239,7 @@ impl SolverGroup {
             energy_bounds.after_forces(bodies);
             contact_works.before_solve(bodies);
             let (begin, end) = (f64::from(substep) * f64::from(h), f64::from(substep + 1) * f64::from(h));
-            ball_collisions.iter_mut().for_each(|it| it.before_impulses(bodies, begin));
+            free_collisions.iter_mut().for_each(|it| it.before_impulses(bodies));
             // Before the impulses of the last step act: bodies that those push together have not
             // come together, and to bounce them would make energy.
             if extras.bounces {
@@ -258,7 +258,7 @@ impl SolverGroup {
                 mechanisms.solve_stage((bodies, contact_works), direct, (ContactStage::PositionsAgain, h));
             }
             bodies.settle_locked();
-            ball_collisions.iter_mut().for_each(|it| it.after_impulses(bodies, begin));
+            free_collisions.iter_mut().for_each(|it| it.after_impulses(bodies, begin));
             contact_works.before_motion(bodies);
             bodies.integrate_positions(h);
             constraints.update_round_contacts(rounds, &bodies.delta_pose);
@@ -274,7 +274,7 @@ impl SolverGroup {
             constraints.run(SolverStage::Relax { h, impact_speed, stores_warm_start: substep + 1 < substeps }, bodies);
             energy_bounds.bound_substep(bodies);
             contact_works.after_substep(bodies);
-            ball_collisions.iter_mut().for_each(|it| it.after_impulses(bodies, end));
+            free_collisions.iter_mut().for_each(|it| it.after_impulses(bodies, end));
         }
         if extras.bounces {
             constraints.run(SolverStage::ApplyRestitution(threshold), bodies);
@@ -311,10 +311,10 @@ impl SolverGroup {
 
     /// To be called after the last substep, at this time since the first began \[s\].
     fn finish(&mut self, all: &mut [ContactRecord], end: f64) {
-        let Self { bodies, contact_works, ball_collisions, constraints, direct, joints, .. } = self;
+        let Self { bodies, contact_works, free_collisions, constraints, direct, joints, .. } = self;
         joints.finish(bodies, contact_works);
         bodies.settle_locked();
-        ball_collisions.iter_mut().for_each(|it| it.finish(bodies, end));
+        free_collisions.iter_mut().for_each(|it| it.finish(bodies, end));
         constraints.store_impulses(all);
         direct.store_impulses(all);
     }

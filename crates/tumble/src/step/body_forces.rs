@@ -69,7 +69,7 @@ impl CollisionPipeline {
             for (which, slot) in contact.slots.into_iter().enumerate() {
                 if self.cache.body_keys.entity(slot) == entity {
                     let [first, second] = contact.slots.map(|slot| Vec3::from(self.center(slot)));
-                    let arm = if which == 0 { second - first } else { Vec3::ZERO };
+                    let arm = if which == 0 { contact.apart((second - first).into()).into() } else { Vec3::ZERO };
                     let sign = if which == 0 { -1.0 } else { 1.0 };
                     sum.add(impulse_on_second(contact, arm, sign));
                 }

@@ -1,11 +1,11 @@
 //! Contact constraints: effective masses, impulses, friction and restitution.
 
-pub(crate) mod ball_collision;
 pub(crate) mod capsule_axes;
 pub(crate) mod constraint;
 pub(crate) mod contact_frame;
 pub(crate) mod effective_mass;
 pub(crate) mod follow_bodies;
+pub(crate) mod free_collision;
 pub(crate) mod friction;
 pub(crate) mod impact;
 pub(crate) mod line;

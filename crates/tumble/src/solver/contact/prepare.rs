@@ -13,7 +13,7 @@ use crate::solver::contact::effective_mass;
 use crate::solver::contact::effective_mass::warm_start_factor;
 use crate::solver::contact::friction::FrictionImpulse;
 use crate::solver::contact::solve::{Blocks, StageBodies, accumulate_warm_start, speeds};
-use crate::solver::contact::update_geometry::{is_rule, met_arms, tangents};
+use crate::solver::contact::update_geometry::{is_rule, of_meeting, tangents};
 
 /// Fills blocks whose lanes know their contacts and rows.
 pub(crate) struct Prepare<'a, const P: usize, const C: usize> {
@@ -58,12 +58,12 @@ impl<const P: usize, const C: usize> Kernel for Prepare<'_, P, C> {
         let patch = Patch::<T, P>::of((&places, &separations), count, margin, is_fixed);
         let arm = patch.middle;
         let [first, second] = self.bodies.motion.gather_beside::<T, _>(self.poses, index, lane);
-        let apart = second.center - first.center;
+        let (is_meeting, now) = (T::splat(0.0).lt(of_meeting(update_rule)), second.center - first.center);
+        let apart = if T::any(is_meeting) { Vec3::select(is_meeting, contacts.met_apart(), now) } else { now };
         put_vector(normal, &mut block.normal, lane);
         put_vector(tangents[0], &mut block.tangent, lane);
-        let arms = met_arms::<T, P>(update_rule, normal, [arm + apart, arm]);
-        put_vector(arms[0], &mut block.arms[0], lane);
-        put_vector(arms[1], &mut block.arms[1], lane);
+        put_vector(arm + apart, &mut block.arms[0], lane);
+        put_vector(arm, &mut block.arms[1], lane);
         put_vector(arm, &mut block.start.arm, lane);
         put_vector(apart, &mut block.start.apart, lane);
         put(carried, &mut block.start.carried, lane);

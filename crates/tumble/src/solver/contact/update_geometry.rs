@@ -33,7 +33,8 @@ pub(crate) fn follow<T: Tile, const P: usize, const C: usize>(
     (bodies, inv_inertia): (&BodyLanes<'_, T>, &InverseInertias<T>),
 ) -> Vec3<T> {
     let before: [Vec3<T>; 2] = [vector_at(&block.arms[0], lane), vector_at(&block.arms[1], lane)];
-    refresh(block, (rolling, axes), lane, delta_pose, &bodies.mobility(inv_inertia));
+    let met = met_separations(block, (lane, h), (bodies, inv_inertia));
+    refresh(block, (rolling, axes), lane, delta_pose, (&bodies.mobility(inv_inertia), met));
     let rule: T = at(&block.start.update_rule, lane);
     let found = T::select(at::<T>(&block.start.slide, lane).lt(T::splat(0.0)), T::splat(1.0), T::splat(0.0));
     let rolls = T::splat(0.0).lt(found.max(of_rule(rule, UpdateRule::RoundOnFlat)));
@@ -72,6 +73,29 @@ fn lag<T: Tile>([way, arm]: [Vec3<T>; 2], spin: Vec3<T>, gain: Vec3<T>, h: T) ->
     Vec3::select(gain.dot(gain).lt(spin.dot(spin) * limit), lag, Vec3::zero())
 }
 
+/// Separations of what meets later in the step, a substep of `h` \[s\] on: as the bodies move.
+#[inline(always)]
+fn met_separations<T: Tile, const P: usize, const C: usize>(
+    block: &Block<P, C>,
+    (lane, h): (usize, T),
+    (bodies, inv_inertia): (&BodyLanes<'_, T>, &InverseInertias<T>),
+) -> Option<[T; P]> {
+    let rule: T = at(&block.start.update_rule, lane);
+    if !T::any(is_rule(rule, UpdateRule::Meeting)) {
+        return None;
+    }
+    let frame = ContactFrame::<T>::load(block, lane);
+    let parts = frame.normal_parts(&bodies.relative(inv_inertia, frame.arms));
+    let (mut separations, mut j) = ([T::splat(0.0); P], 0);
+    while j < P {
+        let point = &block.points[j];
+        let speed = along_normal(parts, at(&point.offset[0], lane), at(&point.offset[1], lane));
+        separations[j] = at::<T>(&point.separation, lane) + speed * h;
+        j += 1;
+    }
+    Some(separations)
+}
+
 /// The contacts of a tile where their bodies have moved to: separations and arms in any case;
 /// normals, tangents, offsets and effective masses where a body has turned, or an arm has changed,
 /// by more than a tolerance.
@@ -85,30 +109,39 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
     (mut rolling, axes): (Option<&mut Rolling>, Option<&CapsuleAxes>),
     lane: usize,
     delta_pose: &DeltaPoses<T>,
-    mobility: &Mobility<'_, T>,
+    (mobility, met): (&Mobility<'_, T>, Option<[T; P]>),
 ) {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
     let start = &block.start;
     let (arm, apart): (Vec3<T>, Vec3<T>) = (vector_at(&start.arm, lane), vector_at(&start.apart, lane));
     let carried: T = at(&start.carried, lane);
     let slid = delta_pose.linear[1] - delta_pose.linear[0];
-    let now = apart + slid;
     let frame = ContactFrame::<T>::load(block, lane);
 
     let rule: T = at(&start.update_rule, lane);
+    // What has the arms of a later meeting has them all the time.
+    let past = slid * (one - of_meeting(rule));
+    let now = apart + past;
     let between_centers = of_rule(rule, UpdateRule::LineOfCenters);
     let turns_with_body = of_rule(rule, UpdateRule::BodyFixed).max(of_rule(rule, UpdateRule::RoundOnFlat));
-    let second = arm + slid * (carried - one);
+    let second = arm + past * (carried - one);
     let way = frame.normal_parts(&delta_pose.relative([arm + apart, arm]));
-    let arms = met_arms::<T, P>(rule, frame.normal, [second + now, second]);
-    put_vector(arms[0], &mut block.arms[0], lane);
-    put_vector(arms[1], &mut block.arms[1], lane);
+    put_vector(second + now, &mut block.arms[0], lane);
+    put_vector(second, &mut block.arms[1], lane);
     let mut j = 0;
     while j < P {
         let offset = &block.points[j].offset;
         let way = along_normal(way, at(&offset[0], lane), at(&offset[1], lane));
         put(at::<T>(&block.start.separations[j], lane) + way, &mut block.points[j].separation, lane);
         j += 1;
+    }
+    if let Some(met) = met {
+        let is_met = of_rule(rule, UpdateRule::Meeting);
+        let mut j = 0;
+        while j < P {
+            put_where(is_met, met[j], &mut block.points[j].separation, lane);
+            j += 1;
+        }
     }
     if P == 1 && T::any(zero.lt(between_centers)) {
         along_centers(block, lane, (between_centers, arm, apart, now));
@@ -125,7 +158,7 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
 
     // An arm that slides along with the other body changes what impulses do.
     let slide = T::select(
-        at::<T>(&block.start.slide, lane).lt(largest(slid * carried).max(largest(slid * (carried - one)))),
+        at::<T>(&block.start.slide, lane).lt(largest(past * carried).max(largest(past * (carried - one)))),
         one,
         zero,
     );
@@ -133,7 +166,7 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
     let of_locks = if mobility.locks.are_there() { one } else { zero };
     let changed = T::select(zero.lt(of_balls(rule)), of_locks, slide.max(delta_pose.turned));
     if T::any(zero.lt(changed)) {
-        turn(block, lane, delta_pose, (carried, slid, now), delta_pose.turned * turns_with_body);
+        turn(block, lane, delta_pose, (carried, past, now), delta_pose.turned * turns_with_body);
         let steady = effective_mass::compute(block, rolling, lane, mobility, changed);
         put(steady, &mut block.start.steady, lane);
     } else {
@@ -153,22 +186,16 @@ pub(crate) fn of_balls<T: Tile>(number: T) -> T {
     of_rule(number, UpdateRule::LineOfCenters).max(of_rule(number, UpdateRule::MeetingCenters))
 }
 
+/// One where numbers are those of bodies that meet later in the step, else zero.
+#[inline(always)]
+pub(crate) fn of_meeting<T: Tile>(number: T) -> T {
+    of_rule(number, UpdateRule::Meeting).max(of_rule(number, UpdateRule::MeetingCenters))
+}
+
 /// One where numbers are those of a rule, else zero.
 #[inline(always)]
 pub(crate) fn of_rule<T: Tile>(number: T, rule: UpdateRule) -> T {
     T::select(is_rule(number, rule), T::splat(1.0), T::splat(0.0))
-}
-
-/// Arms as they are when balls meet, along the normal, if they meet later in the step.
-#[inline(always)]
-pub(crate) fn met_arms<T: Tile, const P: usize>(rule: T, normal: Vec3<T>, arms: [Vec3<T>; 2]) -> [Vec3<T>; 2] {
-    if P > 1 {
-        return arms;
-    }
-    let meeting = is_rule(rule, UpdateRule::MeetingCenters);
-    let [first, second] = arms;
-    let along_normal = [normal * normal.dot(first), normal * normal.dot(second)];
-    [Vec3::select(meeting, along_normal[0], first), Vec3::select(meeting, along_normal[1], second)]
 }
 
 /// The contact of balls, along the line of their centres.

@@ -337,7 +337,7 @@ impl DirectChoice {
 
     /// What a contact lacks to be solved with a mechanism.
     fn lacks(&self, of: Candidates<'_>, place: u32, mechanism: u32) -> Lack {
-        if of.record(place).is_of_meeting_centers() || self.is_direct[place as usize] {
+        if of.record(place).is_of_meeting() || self.is_direct[place as usize] {
             return Lack::Other;
         }
         let (mut lack, mut jointed) = (Lack::Nothing, 0);

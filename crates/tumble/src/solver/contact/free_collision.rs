@@ -1,11 +1,10 @@
-//! Two free balls that meet in the middle of a substep: where they would be had the impulses acted
+//! Two free bodies that meet in the middle of a substep: where they would be had the impulses acted
 //! then.
 //!
-//! The solver's impulses act when substeps begin and end. One along the normal with which the balls
-//! meet turns neither, but is not along the line of their centres then, and so changes the angular
-//! momentum of the two. Had it acted when they met, a ball of mass `m` would be elsewhere: by
-//! `J (t - t_meet) / m` for an impulse `J` at a time `t`. There the two have the angular momentum
-//! that they had before.
+//! The solver's impulses act when substeps begin and end, with the arms that the bodies have when
+//! they meet. Then those do not end in one point, and the angular momentum of the two changes. Had
+//! an impulse `J` acted when they met, a body of mass `m` would be elsewhere: by `J (t - t_meet) /
+//! m` for an impulse at a time `t`. There the two have the angular momentum that they had before.
 
 use glam::DVec3;
 
@@ -13,15 +12,12 @@ use crate::collision::contact::ContactRecord;
 use crate::math::{double, vec3};
 use crate::solver::solver_bodies::{SolverBodies, SolverRow};
 
-/// Two free balls that meet nothing else that is free.
+/// Two free bodies that meet nothing else that is free.
 #[derive(Clone, Debug)]
-pub(crate) struct BallCollision {
+pub(crate) struct FreeCollision {
     /// That of the contact among all.
     pub(crate) number: u32,
     pub(crate) rows: [SolverRow; 2],
-    normal: DVec3,
-    /// How far they are apart along the normal when the step begins \[m\].
-    gap: f64,
     /// When they meet, from the begin of the step \[s\].
     moment: f64,
     /// Velocity of the second relative to the first before the next impulses \[m/s\].
@@ -30,7 +26,7 @@ pub(crate) struct BallCollision {
     shift: DVec3,
 }
 
-impl BallCollision {
+impl FreeCollision {
     /// Of a contact; `None` where one of its bodies is not free in all directions.
     pub(crate) fn new(
         number: u32,
@@ -39,42 +35,26 @@ impl BallCollision {
         bodies: &SolverBodies,
     ) -> Option<Self> {
         let are_free = rows.iter().all(|row| bodies.is_dynamic(*row) && !bodies.locked.has(*row));
-        are_free.then(|| Self {
-            number,
-            rows,
-            normal: double(contact.geometry.normal),
-            gap: contact.separation(0).into(),
-            moment: f64::INFINITY,
-            velocity: DVec3::ZERO,
-            shift: DVec3::ZERO,
-        })
+        let moment = contact.meeting.time.into();
+        are_free.then_some(Self { number, rows, moment, velocity: DVec3::ZERO, shift: DVec3::ZERO })
     }
 
-    /// To be called after forces have acted in the substep that begins at a time \[s\].
-    pub(crate) fn before_impulses(&mut self, bodies: &SolverBodies, time: f64) {
+    /// To be called after forces have acted in a substep.
+    pub(crate) fn before_impulses(&mut self, bodies: &SolverBodies) {
         self.velocity = self.relative(bodies);
-        if time == 0.0 {
-            let closing = -self.normal.dot(self.velocity);
-            self.moment = if closing > 0.0 { self.gap / closing } else { f64::INFINITY };
-        }
     }
 
     /// To be called after impulses at a time \[s\].
     pub(crate) fn after_impulses(&mut self, bodies: &SolverBodies, time: f64) {
         let after = self.relative(bodies);
-        if self.moment.is_finite() {
-            self.shift += (after - self.velocity) * (time - self.moment);
-        }
+        self.shift += (after - self.velocity) * (time - self.moment);
         self.velocity = after;
     }
 
-    /// To be called after the last impulses, at the `end` of the step \[s\]: moves the balls to
-    /// where they would be, if they met before.
+    /// To be called after the last impulses, at the `end` of the step \[s\]: moves the bodies to
+    /// where they would be.
     pub(crate) fn finish(&mut self, bodies: &mut SolverBodies, end: f64) {
         self.after_impulses(bodies, end);
-        if !(0.0..=end).contains(&self.moment) {
-            return;
-        }
         let [m, n] = self.rows.map(|row| f64::from(bodies.motion[row.index()].inverse_mass));
         let parts = [-m / (m + n), n / (m + n)];
         for (row, part) in self.rows.into_iter().zip(parts) {
@@ -83,7 +63,7 @@ impl BallCollision {
         }
     }
 
-    /// Velocity of the second ball relative to the first [m/s].
+    /// Velocity of the second body relative to the first [m/s].
     fn relative(&self, bodies: &SolverBodies) -> DVec3 {
         let [first, second] = self.rows.map(|row| {
             let motion = &bodies.motion[row.index()];
