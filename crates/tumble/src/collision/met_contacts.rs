@@ -110,7 +110,7 @@ impl View<'_> {
         // two that are alone get back.
         let are_both_free = slots.iter().all(|slot| self.states[slot.index()].is_dynamic);
         let keeps_momentum = if are_both_free {
-            self.partners.are_alone(slots)
+            self.partners.are_alone(slots, are_balls)
         } else {
             are_balls || !slots.iter().any(|slot| self.partners.is_jointed(*slot))
         };

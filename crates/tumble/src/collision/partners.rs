@@ -1,17 +1,25 @@
-//! Which free balls meet each other and nothing else that would stop them.
+//! Which free bodies meet each other and nothing else that would stop them.
 
 use crate::collision::collider_state::ColliderState;
 use crate::collision::contact::ContactRecord;
 use crate::collision::contact_ways::{Way, nearest};
 use crate::storage::body_index::Slot;
 
-/// By slot, how many contacts with other free bodies each body has, and whether joints hold it.
-/// Empty where no bodies meet that have to be followed.
+/// What each body meets, by slot. Empty where no bodies meet that have to be followed.
 #[derive(Clone, Default)]
-pub(crate) struct Partners(Vec<(u8, bool)>);
+pub(crate) struct Partners(Vec<Partner>);
+
+#[derive(Clone, Copy, Default)]
+struct Partner {
+    /// How many contacts with other free bodies it has; many if something else stops it.
+    contacts: u8,
+    /// Whether it lies or rolls on something.
+    rests: bool,
+    is_jointed: bool,
+}
 
 impl Partners {
-    /// Counts those of contacts. Bodies that joints hold, or that something else stops, have many.
+    /// Counts those of contacts.
     pub(crate) fn count(
         &mut self,
         contacts: &[ContactRecord],
@@ -26,33 +34,37 @@ impl Partners {
         if ways.iter().all(|way| matches!(way, Way::Plain | Way::Passed)) {
             return;
         }
-        counts.resize(states.len(), (0, false));
+        counts.resize(states.len(), Partner::default());
         for slot in jointed {
             if let Some(body) = counts.get_mut(slot.index()) {
-                *body = (u8::MAX, true);
+                *body = Partner { contacts: u8::MAX, rests: false, is_jointed: true };
             }
         }
         for (contact, _) in contacts.iter().zip(ways).filter(|(_, way)| **way != Way::Passed) {
-            let more = match are_free(contact) {
-                true => 1,
-                false if is_rest(contact, contact.slots.map(|slot| &states[slot.index()])) => 0,
-                false => u8::MAX,
+            let rests = !are_free(contact) && is_rest(contact, contact.slots.map(|slot| &states[slot.index()]));
+            let more = match (are_free(contact), rests) {
+                (true, _) => 1,
+                (false, true) => 0,
+                (false, false) => u8::MAX,
             };
             for slot in contact.slots {
-                let (count, _) = &mut counts[slot.index()];
-                *count = count.saturating_add(more);
+                let body = &mut counts[slot.index()];
+                body.contacts = body.contacts.saturating_add(more);
+                body.rests |= rests;
             }
         }
     }
 
     /// Whether two free bodies have contacts with no free body but each other, and nothing else
-    /// stops them.
-    pub(crate) fn are_alone(&self, pair: [Slot; 2]) -> bool {
-        pair.iter().all(|slot| self.0.get(slot.index()) == Some(&(1, false)))
+    /// stops them. Balls may lie on something: it does not press them down when they go on from
+    /// where they met beside it.
+    pub(crate) fn are_alone(&self, pair: [Slot; 2], are_balls: bool) -> bool {
+        let is_alone = |body: &Partner| body.contacts == 1 && (are_balls || !body.rests);
+        pair.iter().all(|slot| self.0.get(slot.index()).is_some_and(is_alone))
     }
 
     pub(crate) fn is_jointed(&self, slot: Slot) -> bool {
-        self.0.get(slot.index()).is_some_and(|(_, is_jointed)| *is_jointed)
+        self.0.get(slot.index()).is_some_and(|body| body.is_jointed)
     }
 }
 

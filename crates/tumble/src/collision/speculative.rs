@@ -79,7 +79,7 @@ impl CollisionPipeline {
         let jointed = joints.joints.iter().flat_map(|joint| joint.slots);
         partners.count(contacts, ways, states, jointed);
         for (way, contact) in ways.iter_mut().zip(&*contacts).filter(|(way, _)| **way == Way::Free) {
-            *way = if partners.are_alone(contact.slots) { Way::Doubtful } else { Way::Plain };
+            *way = if partners.are_alone(contact.slots, true) { Way::Doubtful } else { Way::Plain };
         }
         if ways.iter().all(|way| *way == Way::Plain) {
             return;
