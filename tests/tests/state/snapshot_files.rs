@@ -57,7 +57,7 @@ fn the_format_is_as_documented() {
     assert_eq!(bytes.len(), HEADER + 3 * 8 + (3 * 7 + 2 * 6) * NUMBER + 8);
     assert_eq!(&bytes[..8], b"TUMBLE-S");
     let word = |place: usize| u64::from_le_bytes(*bytes[place..].first_chunk().unwrap());
-    assert_eq!(word(8), 8 | (NUMBER as u64) << 32);
+    assert_eq!(word(8), 9 | (NUMBER as u64) << 32);
     assert_eq!([16, 24, 32].map(word), [1, 1, 1]);
     assert_eq!([40, 48, 56, 64].map(word), [1, 2, 0, 0]);
     assert_eq!(f64::from_bits(word(72)), 0.125);

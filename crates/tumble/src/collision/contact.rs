@@ -307,6 +307,11 @@ impl ContactRecord {
         self.place(j) - self.geometry.normal * (self.separation(j) * (self.normal_impulses.gap_share - 0.5))
     }
 
+    /// Where the bodies meet later in the step, from the first body's centre of mass \[m\].
+    pub(crate) fn met_point(&self) -> Option<Vec3<Real>> {
+        (self.meeting != MeetingPlace::NONE).then(|| self.meeting.apart + self.place(0))
+    }
+
     /// How often the substeps of its island were halved in the last step.
     pub(crate) fn halvings(&self) -> u8 {
         self.friction.halvings as u8

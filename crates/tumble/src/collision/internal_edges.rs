@@ -53,9 +53,13 @@ impl Floor {
     /// That of a contact, under its second body or the first.
     pub(crate) fn of(contact: &ContactRecord, under_second: bool, states: &[ColliderState]) -> Self {
         let normal = contact.geometry.normal;
-        let center = states[contact.slots[1].index()].center;
+        let [first, second] = contact.slots.map(|slot| states[slot.index()].center);
         let sign = if under_second { 0.5 } else { -0.5 };
-        let point = center + contact.half_way(0) - normal * (contact.separation(0) * sign);
+        let point = match contact.met_point() {
+            // How far it turns until then is in the separation too.
+            Some(met) if under_second => first + met,
+            _ => second + contact.half_way(0) - normal * (contact.separation(0) * sign),
+        };
         let normal = if under_second { normal } else { normal * -1.0 };
         Self { normal, point, level: LEVEL * contact.margin() }
     }

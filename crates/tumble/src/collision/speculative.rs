@@ -20,9 +20,12 @@ use crate::math::Real;
 use crate::storage::body_index::Slot;
 use crate::threads::InParts;
 
-/// Surfaces nearer than this part of their margin meet, but than no more than the smaller body's:
-/// what is beside a face or an edge has another normal a little later.
-const MEETING: Real = 2e-3;
+/// Surfaces nearer than this part of their margin meet, but than no more than the smaller body's.
+const MEETING: Real = 0.25;
+/// And those that come together by more than this part of the way that they go past each other
+/// where they are nearer than a part of that: edges have another normal a little later.
+const STEEP: f64 = 0.2;
+const MEETING_STEEPLY: f64 = 1e-2;
 /// And balls where they are nearer than this part of their radii: on the way from there to where
 /// they touch the line of their centres turns.
 const MEETING_OF_BALLS: f64 = 1e-7;
@@ -331,8 +334,15 @@ impl View<'_> {
         };
         let radii: f64 = encounter.shapes_of_pair.into_iter().map(radius).sum();
         let tolerance = f64::from((MEETING * margin).min(least)).min(MEETING_OF_BALLS * radii);
-        let met = Meeting::find(encounter.shapes_of_pair, [&first, &second], tolerance, slack)?;
-        Some(if radii.is_finite() { touching(met, [&first, &second], radii) } else { met })
+        let find = |tolerance: f64| Meeting::find(encounter.shapes_of_pair, [&first, &second], tolerance, slack);
+        let met = find(tolerance)?;
+        let way = second.linear(met.moment) - first.linear(met.moment);
+        let is_steep = -met.normal.dot(way) > STEEP * way.dot(way).sqrt();
+        Some(match radii.is_finite() {
+            true => touching(met, [&first, &second], radii),
+            false if met.is_hit && is_steep => find(MEETING_STEEPLY * tolerance).unwrap_or(met),
+            false => met,
+        })
     }
 
     fn meet(&self, encounters: &mut [Encounter<'_>], travellers: &[Traveller]) {
