@@ -9,6 +9,7 @@ use crate::collision::contact::{ContactKey, ContactRecord, MeetingPlace, Second,
 use crate::collision::contact_ways::{SAME_NORMAL, length};
 use crate::collision::speculative::{Encounter, Traveller, View, is_surface, normal, wide};
 use crate::math::{Real, real};
+use crate::storage::body_index::Slot;
 
 /// A contact is as it was found where, until they meet, the bodies go past each other by less than
 /// this many margins, its normal is the same, ...
@@ -18,6 +19,9 @@ const SAME_PLANE: f64 = 0.05;
 /// Contact points stay where they are on a body that turns by less \[rad\] about axes other than
 /// its axis of symmetry.
 const ROLLS: Real = 0.2;
+/// What goes past another by less than this part of its radius lands on it: its points turn with
+/// the bodies, to second order in the angle, and not with the arms that they have when they meet.
+const PAST: f64 = 0.02;
 
 impl View<'_> {
     /// Adds the contacts of an encounter; those there were `before` stay where they hold as well,
@@ -48,7 +52,7 @@ impl View<'_> {
             return;
         }
         let are_balls = before.clone().any(ContactRecord::is_between_centers);
-        let (follow, rule) = self.update_rule(encounter, are_balls);
+        let (follow, rule) = self.update_rule(encounter, [&first, &second], are_balls);
         let of_second = Second { center: states[1].center, has_non_dynamic: !states[0].is_dynamic, margin };
         // Once they have met, what is behind comes down on the same plane.
         let reach = states[0].reach + states[1].reach;
@@ -104,22 +108,33 @@ impl View<'_> {
     }
 
     /// What points of an encounter go along with until the bodies meet, and within the step.
-    fn update_rule(&self, encounter: &Encounter<'_>, are_balls: bool) -> (Follow, UpdateRule) {
+    fn update_rule(&self, encounter: &Encounter<'_>, courses: [&Course; 2], are_balls: bool) -> (Follow, UpdateRule) {
         let slots = encounter.slots;
+        let goes_past = are_balls || encounter.meetings.iter().any(|met| self.goes_past(slots, met, courses));
         // Impulses before two meet act in one point, or angular momentum would be lost that only
         // two that are alone get back.
         let are_both_free = slots.iter().all(|slot| self.states[slot.index()].is_dynamic);
         let keeps_momentum = if are_both_free {
             self.partners.are_alone(slots, are_balls)
         } else {
-            are_balls || !slots.iter().any(|slot| self.partners.is_jointed(*slot))
+            let is_held = |slot: &Slot| self.states[slot.index()].is_dynamic && self.partners.is_jointed(*slot);
+            are_balls || !slots.iter().any(is_held)
         };
-        match (keeps_momentum, are_balls) {
+        match (keeps_momentum && goes_past, are_balls) {
             (true, true) => (Follow::Velocities, UpdateRule::MeetingCenters),
             (true, false) => (Follow::Velocities, UpdateRule::Meeting),
             (false, _) if self.rolls(encounter) => (Follow::Centers, UpdateRule::Constant),
             (false, _) => (Follow::Bodies, UpdateRule::BodyFixed),
         }
+    }
+
+    /// Whether until two meet one goes past the other by more than what its arms may be off by.
+    fn goes_past(&self, slots: [Slot; 2], met: &Meeting, [first, second]: [&Course; 2]) -> bool {
+        let way = second.gone(met.moment) - first.gone(met.moment);
+        let across = way - met.normal * met.normal.dot(way);
+        let dynamic = slots.into_iter().map(|slot| &self.states[slot.index()]).filter(|state| state.is_dynamic);
+        let least = dynamic.fold(f64::INFINITY, |least, state| least.min(state.motion.radius.into()));
+        across.dot(across).sqrt() > PAST * least
     }
 
     /// Whether one of two bodies turns under its points.

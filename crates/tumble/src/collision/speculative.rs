@@ -340,7 +340,9 @@ impl View<'_> {
         let is_steep = -met.normal.dot(way) > STEEP * way.dot(way).sqrt();
         Some(match radii.is_finite() {
             true => touching(met, [&first, &second], radii),
-            false if met.is_hit && is_steep => find(MEETING_STEEPLY * tolerance).unwrap_or(met),
+            false if met.is_hit && is_steep => {
+                find(MEETING_STEEPLY * tolerance).filter(|met| met.is_hit).unwrap_or(met)
+            }
             false => met,
         })
     }

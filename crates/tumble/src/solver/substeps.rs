@@ -134,7 +134,9 @@ impl Solver {
         }));
         all.extend((first..).zip(&*records).map(|(number, contact)| {
             let rows = constrained.rows_of(contact.slots);
-            if contact.is_of_meeting() {
+            // Each has all of what happens to its bodies.
+            let is_known = || free_collisions.last().is_some_and(|it| it.rows == rows);
+            if contact.is_of_meeting() && !is_known() {
                 free_collisions.extend(FreeCollision::new(number, contact, rows, bodies));
             }
             GroupContact { number, rows }

@@ -152,7 +152,7 @@ pub(crate) fn write<const P: usize, const C: usize>(
 
     let deltas = DeltaPoses::<Real>::new(rows.map(|row| delta_pose[row.index()]));
     let apart = Vec3::new(block.start.apart[0][lane], block.start.apart[1][lane], block.start.apart[2][lane]);
-    let way = frame.normal_parts(&deltas.relative([middle + apart, middle]));
+    let way = frame.normal_parts(&deltas.relative([middle + apart, middle], false));
     for (j, place) in places.into_iter().enumerate() {
         // A point that is not there any more still has the impulse that it gave.
         let from_middle = now[j] - middle;

@@ -334,7 +334,6 @@ fn aim<T: Tile, const P: usize, const C: usize>(
             let coming = (zero - speed).max(zero);
             let rule: T = at(&block.start.update_rule, lane);
             let is_ball = if P == 1 { of_balls(rule).max(of_rule(rule, UpdateRule::Constant)) } else { zero };
-            let is_ball = is_ball.max(of_rule(rule, UpdateRule::Meeting));
             let is_left = T::select(zero.lt(before), zero, is_ball);
             let near = T::select(zero.lt(is_left), coming, near);
             let bias = T::select(apart, near, zero).min(coming);

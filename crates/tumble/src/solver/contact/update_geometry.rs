@@ -33,8 +33,7 @@ pub(crate) fn follow<T: Tile, const P: usize, const C: usize>(
     (bodies, inv_inertia): (&BodyLanes<'_, T>, &InverseInertias<T>),
 ) -> Vec3<T> {
     let before: [Vec3<T>; 2] = [vector_at(&block.arms[0], lane), vector_at(&block.arms[1], lane)];
-    let met = met_separations(block, (lane, h), (bodies, inv_inertia));
-    refresh(block, (rolling, axes), lane, delta_pose, (&bodies.mobility(inv_inertia), met));
+    refresh(block, (rolling, axes), lane, delta_pose, &bodies.mobility(inv_inertia));
     let rule: T = at(&block.start.update_rule, lane);
     let found = T::select(at::<T>(&block.start.slide, lane).lt(T::splat(0.0)), T::splat(1.0), T::splat(0.0));
     let rolls = T::splat(0.0).lt(found.max(of_rule(rule, UpdateRule::RoundOnFlat)));
@@ -73,29 +72,6 @@ fn lag<T: Tile>([way, arm]: [Vec3<T>; 2], spin: Vec3<T>, gain: Vec3<T>, h: T) ->
     Vec3::select(gain.dot(gain).lt(spin.dot(spin) * limit), lag, Vec3::zero())
 }
 
-/// Separations of what meets later in the step, a substep of `h` \[s\] on: as the bodies move.
-#[inline(always)]
-fn met_separations<T: Tile, const P: usize, const C: usize>(
-    block: &Block<P, C>,
-    (lane, h): (usize, T),
-    (bodies, inv_inertia): (&BodyLanes<'_, T>, &InverseInertias<T>),
-) -> Option<[T; P]> {
-    let rule: T = at(&block.start.update_rule, lane);
-    if !T::any(is_rule(rule, UpdateRule::Meeting)) {
-        return None;
-    }
-    let frame = ContactFrame::<T>::load(block, lane);
-    let parts = frame.normal_parts(&bodies.relative(inv_inertia, frame.arms));
-    let (mut separations, mut j) = ([T::splat(0.0); P], 0);
-    while j < P {
-        let point = &block.points[j];
-        let speed = along_normal(parts, at(&point.offset[0], lane), at(&point.offset[1], lane));
-        separations[j] = at::<T>(&point.separation, lane) + speed * h;
-        j += 1;
-    }
-    Some(separations)
-}
-
 /// The contacts of a tile where their bodies have moved to: separations and arms in any case;
 /// normals, tangents, offsets and effective masses where a body has turned, or an arm has changed,
 /// by more than a tolerance.
@@ -109,7 +85,7 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
     (mut rolling, axes): (Option<&mut Rolling>, Option<&CapsuleAxes>),
     lane: usize,
     delta_pose: &DeltaPoses<T>,
-    (mobility, met): (&Mobility<'_, T>, Option<[T; P]>),
+    mobility: &Mobility<'_, T>,
 ) {
     let (zero, one) = (T::splat(0.0), T::splat(1.0));
     let start = &block.start;
@@ -125,7 +101,8 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
     let between_centers = of_rule(rule, UpdateRule::LineOfCenters);
     let turns_with_body = of_rule(rule, UpdateRule::BodyFixed).max(of_rule(rule, UpdateRule::RoundOnFlat));
     let second = arm + past * (carried - one);
-    let way = frame.normal_parts(&delta_pose.relative([arm + apart, arm]));
+    let is_meeting = is_rule(rule, UpdateRule::Meeting);
+    let way = frame.normal_parts(&delta_pose.relative([arm + apart, arm], is_meeting));
     put_vector(second + now, &mut block.arms[0], lane);
     put_vector(second, &mut block.arms[1], lane);
     let mut j = 0;
@@ -134,14 +111,6 @@ fn refresh<T: Tile, const P: usize, const C: usize>(
         let way = along_normal(way, at(&offset[0], lane), at(&offset[1], lane));
         put(at::<T>(&block.start.separations[j], lane) + way, &mut block.points[j].separation, lane);
         j += 1;
-    }
-    if let Some(met) = met {
-        let is_met = of_rule(rule, UpdateRule::Meeting);
-        let mut j = 0;
-        while j < P {
-            put_where(is_met, met[j], &mut block.points[j].separation, lane);
-            j += 1;
-        }
     }
     if P == 1 && T::any(zero.lt(between_centers)) {
         along_centers(block, lane, (between_centers, arm, apart, now));
