@@ -276,13 +276,13 @@ impl ContactRecord {
 
     /// Whether its bodies meet later in the step, with the arms that it has.
     pub(crate) fn is_of_meeting(&self) -> bool {
-        self.has_rule(UpdateRule::MeetingCenters) || self.has_rule(UpdateRule::Meeting)
+        self.meeting != MeetingPlace::NONE
     }
 
     /// The second body's centre of mass from the first's as its arms have it, which is this when
     /// the step begins \[m\].
     pub(crate) fn apart(&self, begin: Vec3<Real>) -> Vec3<Real> {
-        if self.meeting == MeetingPlace::NONE { begin } else { self.meeting.apart }
+        if self.is_of_meeting() { self.meeting.apart } else { begin }
     }
 
     fn has_rule(&self, rule: UpdateRule) -> bool {
@@ -309,7 +309,7 @@ impl ContactRecord {
 
     /// Where the bodies meet later in the step, from the first body's centre of mass \[m\].
     pub(crate) fn met_point(&self) -> Option<Vec3<Real>> {
-        (self.meeting != MeetingPlace::NONE).then(|| self.meeting.apart + self.place(0))
+        self.is_of_meeting().then(|| self.meeting.apart + self.place(0))
     }
 
     /// How often the substeps of its island were halved in the last step.

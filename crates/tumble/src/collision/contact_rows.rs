@@ -4,6 +4,7 @@ use tumble_collide::MAX_MANIFOLD_POINTS;
 use tumble_math::lane::Vec3;
 
 use crate::collision::contact::ContactRecord;
+use crate::math::Real;
 use crate::simd::block_lanes::{at, vector_at};
 use crate::simd::{BLOCK, Octet, Tile, gather_rows, octet};
 
@@ -129,27 +130,23 @@ impl<'a> ContactLanes<'a> {
 
     #[inline(always)]
     pub(crate) fn surface_velocity<T: Tile>(&self) -> Vec3<T> {
-        let mut lanes = [[0.0; BLOCK]; 3];
-        let mut i = 0;
+        let (mut vectors, mut i) = ([Vec3::zero(); BLOCK], 0);
         while i < T::WIDTH {
-            let Vec3 { x, y, z } = self.0[i].surface_velocity;
-            [lanes[0][i], lanes[1][i], lanes[2][i]] = [x, y, z];
+            vectors[i] = self.0[i].surface_velocity;
             i += 1;
         }
-        vector_at(&lanes, 0)
+        side_by_side(&vectors)
     }
 
     /// The second body's centre of mass from the first's when they meet \[m\].
     #[inline(always)]
     pub(crate) fn met_apart<T: Tile>(&self) -> Vec3<T> {
-        let mut lanes = [[0.0; BLOCK]; 3];
-        let mut i = 0;
+        let (mut vectors, mut i) = ([Vec3::zero(); BLOCK], 0);
         while i < T::WIDTH {
-            let Vec3 { x, y, z } = self.0[i].meeting.apart;
-            [lanes[0][i], lanes[1][i], lanes[2][i]] = [x, y, z];
+            vectors[i] = self.0[i].meeting.apart;
             i += 1;
         }
-        vector_at(&lanes, 0)
+        side_by_side(&vectors)
     }
 
     #[inline(always)]
@@ -162,4 +159,16 @@ impl<'a> ContactLanes<'a> {
         }
         gather_rows(&rows)
     }
+}
+
+/// Vectors as those of a tile.
+#[inline(always)]
+fn side_by_side<T: Tile>(vectors: &[Vec3<Real>; BLOCK]) -> Vec3<T> {
+    let (mut lanes, mut i) = ([[0.0; BLOCK]; 3], 0);
+    while i < T::WIDTH {
+        let Vec3 { x, y, z } = vectors[i];
+        [lanes[0][i], lanes[1][i], lanes[2][i]] = [x, y, z];
+        i += 1;
+    }
+    vector_at(&lanes, 0)
 }

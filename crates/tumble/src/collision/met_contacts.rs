@@ -8,13 +8,13 @@ use crate::collision::compound_parts::numbers;
 use crate::collision::contact::{ContactKey, ContactRecord, MeetingPlace, Second, UpdateRule};
 use crate::collision::contact_ways::{SAME_NORMAL, length};
 use crate::collision::speculative::{Encounter, Traveller, View, is_surface, normal, wide};
-use crate::math::{Real, real};
+use crate::math::{Real, real, vec3};
 use crate::storage::body_index::Slot;
 
-/// A contact is as it was found where, until they meet, the bodies go past each other by less than
-/// this many margins, its normal is the same, ...
+/// A contact stays as it was found if its normal is the same and the bodies go past each other by
+/// less than this many margins until they meet.
 const BESIDE: f64 = 10.0;
-/// ... and its plane to this part of the margin.
+/// And if its plane is, to this part of the margin.
 const SAME_PLANE: f64 = 0.05;
 /// Contact points stay where they are on a body that turns by less \[rad\] about axes other than
 /// its axis of symmetry.
@@ -104,7 +104,7 @@ impl View<'_> {
             return MeetingPlace::NONE;
         }
         let [first, second] = courses.map(|course| course.center_and_turn(met.moment).0);
-        MeetingPlace { apart: narrow(second - first), time: real(met.moment) * self.ahead }
+        MeetingPlace { apart: vec3((second - first).into()).into(), time: real(met.moment) * self.ahead }
     }
 
     /// What points of an encounter go along with until the bodies meet, and within the step.
@@ -131,10 +131,9 @@ impl View<'_> {
     /// Whether until two meet one goes past the other by more than what its arms may be off by.
     fn goes_past(&self, slots: [Slot; 2], met: &Meeting, [first, second]: [&Course; 2]) -> bool {
         let way = second.gone(met.moment) - first.gone(met.moment);
-        let across = way - met.normal * met.normal.dot(way);
         let dynamic = slots.into_iter().map(|slot| &self.states[slot.index()]).filter(|state| state.is_dynamic);
         let least = dynamic.fold(f64::INFINITY, |least, state| least.min(state.motion.radius.into()));
-        across.dot(across).sqrt() > PAST * least
+        across(way, met.normal) > PAST * least
     }
 
     /// Whether one of two bodies turns under its points.
@@ -152,16 +151,18 @@ impl View<'_> {
     }
 }
 
-fn narrow(v: Vec3<f64>) -> Vec3<Real> {
-    Vec3::new(real(v.x), real(v.y), real(v.z))
+/// How far a way goes past what has this normal.
+fn across(way: Vec3<f64>, normal: Vec3<f64>) -> f64 {
+    let across = way - normal * normal.dot(way);
+    across.dot(across).sqrt()
 }
 
 /// Whether a contact has the plane that the bodies meet with, after one has gone this way past the
 /// other.
 fn is_same(known: &ContactRecord, manifold: &Manifold<Real>, way: Vec3<f64>) -> bool {
     let (before, now, margin) = (normal(known), wide(manifold.normal), f64::from(known.margin()));
-    let (turned, across) = (before.cross(now), way - now * now.dot(way));
-    let (turned, across) = (turned.dot(turned).sqrt(), across.dot(across).sqrt());
+    let (turned, across) = (before.cross(now), across(way, now));
+    let turned = turned.dot(turned).sqrt();
     before.dot(now) > 0.0
         && across <= BESIDE * margin
         && turned <= SAME_NORMAL

@@ -22,9 +22,9 @@ use crate::threads::InParts;
 
 /// Surfaces nearer than this part of their margin meet, but than no more than the smaller body's.
 const MEETING: Real = 0.25;
-/// And those that come together by more than this part of the way that they go past each other
-/// where they are nearer than a part of that: edges have another normal a little later.
+/// What comes nearer by more than this part of its way is steep.
 const STEEP: f64 = 0.2;
+/// It meets where it is nearer than this part of that: edges have another normal a little later.
 const MEETING_STEEPLY: f64 = 1e-2;
 /// And balls where they are nearer than this part of their radii: on the way from there to where
 /// they touch the line of their centres turns.

@@ -98,7 +98,7 @@ impl<T: Tile> DeltaPoses<T> {
     }
 }
 
-/// An angle over its chord, twice the sine of its half: to 1e-3 up to an angle of 1.7.
+/// An angle over its chord, twice the sine of its half: to 1e-3 up to an angle of 1.3 \[rad\].
 #[inline(always)]
 fn angle_of_chord<T: Tile>(chord: Vec3<T>) -> T {
     let square = chord.dot(chord);
